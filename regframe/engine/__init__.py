@@ -1,0 +1,1 @@
+"""Runs presets: stages, levels, samples, starts and the objective in between."""

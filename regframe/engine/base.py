@@ -1,0 +1,162 @@
+"""What every engine takes and gives: progress while it runs, a result when it is done."""
+
+from abc import abstractmethod
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from regframe.component import Component
+from regframe.errors import GeometryError
+from regframe.geometry import AffineMap
+from regframe.image import Image
+from regframe.preset import Preset
+from regframe.transforms.warp import Chain, Warp
+from regframe.types import Matrix, Params
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """One iteration, as observers and the trace see it.
+
+    Parameters
+    ----------
+    stage, level, iteration : int
+        Counted from 0.
+    iterations : int
+        The level's limit.
+    value : float
+        The metric as the optimizer reports it.
+    params : (p,) float64
+        The transform's parameters.
+    size : float
+        The optimizer's step, in its coordinates.
+    seconds : float
+        Since the run began.
+    evaluations : int
+        Metric values computed so far in this level.
+    """
+
+    stage: int
+    level: int
+    iteration: int
+    iterations: int
+    value: float
+    params: Params
+    size: float
+    seconds: float
+    evaluations: int
+
+
+@dataclass(frozen=True, slots=True)
+class LevelReport:
+    """How one level went: sizes, metric at its start and end, and why it stopped."""
+
+    stage: int
+    level: int
+    shape: tuple[int, ...]
+    samples: int
+    iterations: int
+    evaluations: int
+    start_value: float
+    value: float
+    stop: str
+    seconds: float
+    params: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What a registration found.
+
+    Parameters
+    ----------
+    warp : Warp or Chain
+        Takes fixed points to moving points, physical, x first.
+    value : float
+        The last level's metric; lower is better.
+    stop : str
+        Why the last level stopped.
+    levels : tuple of LevelReport
+    preset : Preset
+        Resolved: every default written out.
+    provenance : mapping
+        Versions, seeds, input names and hashes, times.
+    fixed, moving : Image
+        As they were given, before filters.
+    trace : tuple of Progress
+        One entry an iteration.
+    """
+
+    warp: Warp | Chain
+    value: float
+    stop: str
+    levels: tuple[LevelReport, ...]
+    preset: Preset
+    provenance: Mapping[str, Any]
+    fixed: Image
+    moving: Image
+    trace: tuple[Progress, ...] = field(repr=False, default=())
+
+    @property
+    def pixel_map(self) -> AffineMap:
+        """From fixed to moving pixel, x first, pixel centres at whole numbers."""
+        affine = self.warp.as_affine()
+        if affine is None:
+            message = "This warp is not affine, so it has no single pixel matrix. Call `warp(points)` instead."
+            raise GeometryError(message)
+        return self.moving.grid.point_to_index @ affine @ self.fixed.grid.index_to_point
+
+    @property
+    def pixel_matrix(self) -> Matrix:
+        """From fixed to moving pixel, homogeneous: (3, 3) in 2-D, (4, 4) in 3-D."""
+        return self.pixel_map.homogeneous()
+
+    def save(self, folder: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        """Write the aligned image, overlays, plots, transform, result and trace.
+
+        Parameters
+        ----------
+        folder : path
+            Made if missing.
+        force : bool
+            Overwrite files of an earlier result.
+        figures : bool
+            Write the pictures too.
+
+        Raises
+        ------
+        OutputError
+            The folder cannot be written, or holds a result and `force` is off.
+        """
+        from regframe.report.files import save  # the report is built on results, not the reverse
+
+        return save(self, Path(folder), force=force, figures=figures)
+
+    def _repr_html_(self) -> str:
+        from regframe.report.html import card
+
+        return card(self)
+
+
+class Engine(Component):
+    """Who runs a preset."""
+
+    @abstractmethod
+    def iterate(
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | None = None
+    ) -> Generator[Progress, None, Result]:
+        """Yield a Progress an iteration and return the Result.
+
+        Parameters
+        ----------
+        start : Warp, optional
+            Where the first stage begins, in place of its own `start`.
+
+        Raises
+        ------
+        NoOverlapError, GeometryError, ImageError
+        """
+
+
+Observer = Callable[[Progress], None]

@@ -1,0 +1,153 @@
+"""Our own engine: stages, levels, and the loop around the optimizer."""
+
+from collections.abc import Generator
+from time import perf_counter
+from typing import final
+
+import numpy as np
+
+from regframe.engine.base import Engine, LevelReport, Progress, Result
+from regframe.engine.objective import Objective
+from regframe.engine.provenance import provenance
+from regframe.engine.scales import coordinates
+from regframe.engine.scene import prepare
+from regframe.engine.start import begin
+from regframe.errors import GeometryError, ImageError
+from regframe.image import Image
+from regframe.optimizers.base import Normals
+from regframe.preset import Preset, Stage
+from regframe.transforms.warp import Chain, Warp
+
+SMALLEST = 4  # pixels an axis
+
+
+@final
+class Native(Engine):
+    """Runs presets with regframe's own components."""
+
+    def iterate(
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | None = None
+    ) -> Generator[Progress, None, Result]:
+        """Yield a Progress an iteration and return the Result."""
+        began = perf_counter()
+        check_images(preset, fixed, moving)
+        given, fixed, moving = (fixed, moving), *filtered(preset, fixed, moving)
+        trace: list[Progress] = []
+        reports: list[LevelReport] = []
+        warp: Warp | Chain | None = start
+        for number, stage in enumerate(preset.stages):
+            if number == 0 and start is not None:
+                stage = stage.model_copy(update={"start": "previous"})
+            warp = begin(stage, fixed, moving, warp)
+            rng, sampling_seed = stage.optimizer.normals(preset.seed), preset.seed
+            for depth in range(len(stage.levels)):
+                run = _Level(stage, number, depth, sampling_seed)
+                warp, report = yield from run.walk(fixed, moving, warp, rng, trace, began)
+                sampling_seed = run.next_seed
+                reports.append(report)
+        assert warp is not None
+        facts = provenance(preset, *given, seconds=perf_counter() - began)
+        last = reports[-1]
+        return Result(warp, last.value, last.stop, tuple(reports), preset, facts, *given, tuple(trace))
+
+
+class _Level:
+    """One level of a run."""
+
+    def __init__(self, stage: Stage, number: int, depth: int, sampling_seed: int) -> None:
+        self.stage, self.number, self.depth = stage, number, depth
+        self.level = stage.levels[depth]
+        self.seed = self.next_seed = sampling_seed
+
+    def walk(
+        self, fixed: Image, moving: Image, warp: Warp, rng: Normals, trace: list[Progress], began: float
+    ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
+        """Improve a warp until the optimizer or the limit stops it."""
+        level_began = perf_counter()
+        scene, self.next_seed = prepare(self.stage, self.level, fixed, moving, self.seed)
+        space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, moving.grid)
+        objective = Objective(self.stage, scene, warp.frame, space)
+        steps = self.stage.optimizer.steps(objective, at, rng)
+        value, stop, count = float("nan"), f"the limit of {self.level.iterations} iterations", 0
+        while count < self.level.iterations:
+            try:
+                step = next(steps)
+            except StopIteration as end:
+                stop = str(end.value)
+                break
+            at, value = step.params, step.value
+            progress = Progress(
+                self.number,
+                self.depth,
+                count,
+                self.level.iterations,
+                value,
+                space.params(at),
+                step.size,
+                perf_counter() - began,
+                objective.evaluations,
+            )
+            count += 1
+            trace.append(progress)
+            yield progress
+        steps.close()
+        params = space.params(at)
+        report = LevelReport(
+            self.number,
+            self.depth,
+            scene.grid.shape,
+            len(scene.samples),
+            count,
+            objective.evaluations,
+            objective.first,
+            objective.first if np.isnan(value) else value,
+            stop,
+            perf_counter() - level_began,
+            tuple(map(float, params)),
+        )
+        return Warp(warp.transform, params, warp.frame), report
+
+
+def filtered(preset: Preset, fixed: Image, moving: Image) -> tuple[Image, Image]:
+    """Both images after the preset's filters, checked for contrast."""
+    for one in preset.filters.fixed:
+        fixed = one(fixed)
+    for one in preset.filters.moving:
+        moving = one(moving)
+    for image in (fixed, moving):
+        low, high = image.range()
+        if low == high:
+            where = "under its mask" if image.mask is not None else "everywhere"
+            message = f"{image.name}: the image is constant, {low:g} {where}. There is nothing to align."
+            raise ImageError(message)
+    return fixed, moving
+
+
+def check_images(preset: Preset, fixed: Image, moving: Image) -> None:
+    """Refuse pairs that no preset, or not this one, can register.
+
+    Raises
+    ------
+    GeometryError, ImageError
+    """
+    if fixed.dim != moving.dim:
+        message = (
+            f"{fixed.name} is {fixed.dim}-D and {moving.name} is {moving.dim}-D. Both must have the same "
+            "number of axes; take a slice of the larger one."
+        )
+        raise GeometryError(message)
+    for image in (fixed, moving):
+        if min(image.grid.shape) < SMALLEST:
+            message = (
+                f"{image.name}: an image of shape {image.grid.shape} is too small to register. "
+                f"Every axis needs at least {SMALLEST} pixels."
+            )
+            raise ImageError(message)
+    for number, stage in enumerate(preset.stages):
+        if fixed.dim not in stage.transform.dimensions:
+            known = " and ".join(f"{dim}-D" for dim in stage.transform.dimensions)
+            message = (
+                f"stages.{number}.transform: {type(stage.transform).__name__} is for {known} images. "
+                f"Got {fixed.dim}-D. Choose another transform, such as affine."
+            )
+            raise GeometryError(message)

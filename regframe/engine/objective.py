@@ -1,0 +1,109 @@
+"""The metric as a function of an optimizer's coordinates."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from regframe.engine.scales import Coordinates, motion
+from regframe.engine.scene import Scene
+from regframe.engine.slopes import MovingSlopes
+from regframe.errors import NoOverlapError
+from regframe.geometry import AffineMap, Frame
+from regframe.interpolators.base import Samples
+from regframe.interpolators.nearest import Nearest
+from regframe.kernels.rounding import round_single
+from regframe.metrics.base import Pairs
+from regframe.preset import Stage
+from regframe.types import Indices, Params, Values
+
+DIFFERENCE = 0.1  # grid spacings: wide enough that no single sample crossing a border decides a slope
+
+
+class Objective:
+    """A level's `Problem`: pairs, values and slopes at the optimizer's coordinates."""
+
+    def __init__(self, stage: Stage, scene: Scene, frame: Frame, coordinates: Coordinates) -> None:
+        self.stage, self.scene, self.frame, self.coordinates = stage, scene, frame, coordinates
+        self.scales = coordinates.scales
+        self.evaluations = 0
+        self.first = float("nan")
+        self._prepared = stage.metric.prepare(self._pairs(np.zeros(0), scene.weight, None))
+        self._slopes = MovingSlopes.of(stage, scene)
+
+    def values(self, batch: NDArray[np.float64]) -> Values:
+        """Metric at each row of a (b, p) batch, infinite where nothing overlaps."""
+        return np.array([self._value(self.pairs(self.coordinates.params(row))) for row in batch])
+
+    def value_and_gradient(self, at: Params) -> tuple[float, Params]:
+        """Metric and its slope, by the metric's derivative or by differences."""
+        params = self.coordinates.params(at)
+        pairs = self.pairs(params)
+        value = self._value(pairs)
+        if not np.isfinite(value):
+            raise NoOverlapError(self._lost("on the way"))
+        forces = self.stage.metric.derivative(pairs)
+        if forces is None:
+            return value, self._differences(at)
+        return value, self._slopes.pull(params, forces, self.frame) / self.coordinates.unit
+
+    def motion(self, at: Params, step: Params) -> float:
+        """Largest motion that a step makes over the grid."""
+        params, moved = self.coordinates.params(at), step / self.coordinates.unit
+        return motion(self.stage, params, moved, self.frame, (self.scene.grid, self.scene.moving.grid))
+
+    def pairs(self, params: Params) -> Pairs:
+        """Fixed and moving intensities that meet under some parameters."""
+        scene, interpolator = self.scene, self.stage.interpolator
+        index_map, at = placed(scene, self.stage, params, self.frame)
+        moving, weight = interpolator.resample(scene.coefficients, at, index_map)
+        if scene.moving.rounds:
+            round_single(moving)
+        if scene.moving_mask is not None:
+            weight *= Nearest().resample(scene.moving_mask, at, index_map)[0]
+        if not scene.complete:
+            weight *= scene.weight
+        return self._pairs(moving, weight, self._prepared)
+
+    def _pairs(self, moving: Values, weight: Values, prepared: object) -> Pairs:
+        scene = self.scene
+        shape = scene.samples.shape if scene.samples.indices is None else None
+        return Pairs(scene.fixed, moving, weight, scene.fixed_range, scene.moving_range, shape, prepared)
+
+    def _value(self, pairs: Pairs) -> float:
+        value = self.stage.metric.value(pairs)
+        if not np.isfinite(value):
+            value = float("inf")
+        if self.evaluations == 0:
+            self.first = value
+            if value == float("inf"):
+                raise NoOverlapError(self._lost("at the start"))
+        self.evaluations += 1
+        return value
+
+    def _lost(self, when: str) -> str:
+        return (
+            f"The images share nothing to compare {when} (metric {type(self.stage.metric).__name__}, "
+            f"{len(self.scene.samples)} samples). Check the masks and geometry, begin nearer with `start`, "
+            "or take smaller steps."
+        )
+
+    def _differences(self, at: Params) -> Params:
+        """Central differences of the value."""
+        reach = self.stage.transform.shift(self.coordinates.params(at), self.frame) / self.coordinates.unit
+        step = DIFFERENCE * min(self.scene.grid.spacing) / np.maximum(reach, 1e-12)
+        batch = np.concatenate([at + np.diag(step), at - np.diag(step)])
+        values = self.values(batch)
+        slopes = (values[: len(at)] - values[len(at) :]) / (2 * step)
+        if not np.isfinite(slopes).all():
+            raise NoOverlapError(self._lost("on the way"))
+        return slopes
+
+
+def placed(scene: Scene, stage: Stage, params: Params, frame: Frame) -> tuple[AffineMap | None, Samples]:
+    """How samples reach the moving image: an affine index map, or indices already there."""
+    affine = stage.transform.as_affine(params, frame)
+    grid = scene.moving.grid
+    if affine is None:
+        mapped: Indices = grid.indices(stage.transform.map(params, scene.points, frame))
+        return None, Samples(scene.samples.shape, mapped)
+    whole = grid.point_to_index @ affine @ scene.grid.index_to_point
+    return whole.reversed_axes(), scene.samples

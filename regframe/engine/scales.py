@@ -1,0 +1,136 @@
+"""The unit an optimizer walks in: pixels of motion, or ITK's scales."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from regframe.errors import GeometryError, PresetError
+from regframe.geometry import Frame, Grid
+from regframe.preset import Stage
+from regframe.transforms.base import Transform
+from regframe.types import Params, Points
+
+VARIATION = 0.01  # ITK's small parameter variation
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """``u = (p - origin) * unit``, and the scales an optimizer is told for `u`."""
+
+    origin: Params
+    unit: Params
+    scales: Params
+
+    def params(self, at: Params) -> Params:
+        """The transform's parameters at coordinates (..., p)."""
+        return self.origin + at / self.unit
+
+    def start(self) -> Params:
+        """Coordinates of the level's first parameters when `unit` is motion: zeros."""
+        return np.zeros_like(self.origin)
+
+
+def coordinates(
+    stage: Stage, params: Params, frame: Frame, level_grid: Grid, moving: Grid
+) -> tuple[Coordinates, Params]:
+    """The level's coordinates and where in them it begins.
+
+    With ``scales = "shift"`` one unit of every coordinate moves some corner of the fixed grid by one
+    pixel (or mm). Otherwise coordinates are the parameters themselves and ITK's scales go along.
+
+    Raises
+    ------
+    PresetError
+        A list of scales of the wrong length.
+    GeometryError
+        A parameter that moves nothing.
+    """
+    count, plain = len(params), np.ones_like(params)
+    if stage.scales == "shift":
+        unit = stage.transform.shift(params, frame)
+        if not np.all(unit > 0):
+            still = [n for n, u in zip(stage.transform.names(frame), unit, strict=True) if not u > 0]
+            message = f"The parameters {still} move nothing here, so they cannot be searched. Give `scales`."
+            raise GeometryError(message)
+        return Coordinates(params, unit, plain), np.zeros_like(params)
+    nowhere = np.zeros_like(params)
+    if isinstance(stage.scales, tuple):
+        if len(stage.scales) != count:
+            message = (
+                f"stages: scales has {len(stage.scales)} numbers and the transform {count} parameters "
+                f"({', '.join(stage.transform.names(frame))}). Give one scale a parameter."
+            )
+            raise PresetError(message)
+        return Coordinates(nowhere, plain, np.array(stage.scales)), params
+    estimate = _itk_scales(stage.scales, stage.transform, params, frame, level_grid, moving)
+    return Coordinates(nowhere, plain, estimate), params
+
+
+def _itk_scales(
+    kind: str, transform: Transform, params: Params, frame: Frame, grid: Grid, moving: Grid
+) -> Params:
+    corners = grid.corners()
+    if kind == "jacobian":
+        slopes = _jacobian(transform, params, corners, frame)
+        return np.asarray((slopes**2).sum(axis=2).mean(axis=1))
+    shifts = np.empty_like(params)
+    for i in range(len(params)):
+        moved = params.copy()
+        moved[i] += VARIATION
+        shifts[i] = _largest(kind, transform, (params, moved), corners, frame, moving)
+    eps = float(np.finfo(np.float64).eps)
+    if not np.any(shifts > eps):
+        message = f"No parameter moves anything, so {kind!r} has no scale to give. Give `scales` as a list."
+        raise GeometryError(message)
+    shifts = np.where(shifts <= eps, shifts[shifts > eps].min(), shifts)
+    return shifts**2 / VARIATION**2
+
+
+def _largest(
+    kind: str,
+    transform: Transform,
+    between: tuple[Params, Params],
+    points: Points,
+    frame: Frame,
+    moving: Grid,
+) -> float:
+    """Largest distance between two maps of the points: physical, or in moving pixels."""
+    here, there = (transform.map(params, points, frame) for params in between)
+    if kind == "index-shift":
+        here, there = moving.indices(here), moving.indices(there)
+    return float(np.sqrt(((there - here) ** 2).sum(axis=1)).max())
+
+
+def _jacobian(transform: Transform, params: Params, points: Points, frame: Frame) -> "np.ndarray[tuple[int, ...], np.dtype[np.float64]]":
+    """d map / d params at each point, (p, n, dim), one unit force at a time."""
+    whole = np.empty((len(params), len(points), frame.dim))
+    for n in range(len(points)):
+        for axis in range(frame.dim):
+            force = np.zeros((1, frame.dim))
+            force[0, axis] = 1.0
+            whole[:, n, axis] = transform.parameter_gradient(params, points[n : n + 1], force, frame)
+    return whole
+
+
+def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tuple[Grid, Grid]) -> float:
+    """Largest motion of a step of parameters, as the stage's kind of scales measures it.
+
+    Parameters
+    ----------
+    grids : (Grid, Grid)
+        The level's fixed grid and the moving image's.
+    """
+    level_grid, moving = grids
+    corners = level_grid.corners()
+    if stage.scales == "jacobian":
+        slopes = _jacobian(stage.transform, params, corners, frame)
+        moved = np.einsum("p,pnd->nd", step, slopes)
+        return float(np.sqrt((moved**2).sum(axis=1)).mean())
+    largest = float(np.abs(step).max())
+    if largest == 0.0:
+        return 0.0
+    # ITK measures a small step and scales the answer; far steps of a rotation would fold back.
+    small = VARIATION / largest if isinstance(stage.scales, str) and stage.scales != "shift" else 1.0
+    kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
+    between = (params, params + step * small)
+    return _largest(kind, stage.transform, between, corners, frame, moving) / small

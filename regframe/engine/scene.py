@@ -1,0 +1,116 @@
+"""One level's images made ready: smoothed, sampled, prefiltered."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from regframe.engine.sampling import draw
+from regframe.errors import NoOverlapError
+from regframe.geometry import Grid
+from regframe.image import Image
+from regframe.interpolators.base import Samples
+from regframe.interpolators.nearest import Nearest
+from regframe.kernels.gaussian import smooth
+from regframe.kernels.rounding import round_single
+from regframe.preset import Level, Stage
+from regframe.types import Indices, Points, Values, Volume
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What stays the same while a level's parameters change.
+
+    Parameters
+    ----------
+    grid : Grid
+        The level's shrunk fixed grid.
+    samples : Samples
+        Points of it that are compared.
+    fixed, weight : (n,) float64
+        Fixed intensities there, and 1 where they exist and count.
+    moving : Image
+        Smoothed.
+    coefficients : volume
+        The interpolator's, of the moving image.
+    fixed_range, moving_range : tuple of float
+    """
+
+    grid: Grid
+    samples: Samples
+    fixed: Values
+    weight: Values
+    moving: Image
+    coefficients: Volume
+    fixed_range: tuple[float, float]
+    moving_range: tuple[float, float]
+
+    @cached_property
+    def complete(self) -> bool:
+        """Whether every sample counts in the fixed image."""
+        return bool(self.weight.all())
+
+    @cached_property
+    def points(self) -> Points:
+        """Physical points of the samples, (n, dim)."""
+        return self.grid.points(self.samples.all_indices())
+
+    @cached_property
+    def moving_mask(self) -> Volume | None:
+        """The moving mask as numbers, or None."""
+        return None if self.moving.mask is None else self.moving.mask.astype(np.float64)
+
+
+def smoothed(image: Image, sigma: float) -> Image:
+    """The image after a Gaussian of `sigma` mm (or pixels); 0 leaves it as it is."""
+    if sigma == 0.0:
+        return image
+    per_axis = tuple(sigma / spacing for spacing in reversed(image.grid.spacing))
+    return image.with_values(smooth(image.values, per_axis))
+
+
+def prepare(stage: Stage, level: Level, fixed: Image, moving: Image, seed: int) -> tuple[Scene, int]:
+    """The level's scene, and the sampling seed of the next level."""
+    grid = fixed.grid.coarsen(level.shrink)
+    fixed, moving = smoothed(fixed, level.smooth), smoothed(moving, level.smooth)
+    samples, seed = draw(level, grid, seed)
+    interpolator = stage.interpolator
+    # Fixed intensities take the long way through physical points: it has ITK's order of operations, and
+    # integer grey levels on histogram edges need its last bit. It runs once a level.
+    indices = fixed.grid.indices(grid.points(samples.all_indices()))
+    at = Samples(fixed.grid.shape, indices)
+    values, weight = interpolator.resample(interpolator.prepare(_volume(fixed)), at, None)
+    if fixed.rounds:
+        round_single(values)
+    if fixed.mask is not None:
+        weight = weight * Nearest().resample(fixed.mask.astype(np.float64), at, None)[0]
+    if not weight.any():
+        message = (
+            f"{fixed.name}: none of the {len(samples)} samples counts. "
+            "Check the mask, or raise `fraction` in the preset."
+        )
+        raise NoOverlapError(message)
+    return (
+        Scene(
+            grid,
+            samples,
+            values,
+            weight,
+            moving,
+            interpolator.prepare(_volume(moving)),
+            fixed.range() if samples.indices is None else _sampled_range(fixed, indices, weight),
+            moving.range(),
+        ),
+        seed,
+    )
+
+
+def _volume(image: Image) -> Volume:
+    return np.ascontiguousarray(image.values, np.float64)
+
+
+def _sampled_range(fixed: Image, indices: Indices, weight: Values) -> tuple[float, float]:
+    """Range over the pixels nearest to the samples, as ITK takes it for sparse sampling."""
+    near = np.floor(indices[weight > 0] + 0.5).astype(np.int64)
+    met = fixed.values[tuple(near.T)]
+    return float(met.min()), float(met.max())

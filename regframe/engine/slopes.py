@@ -1,0 +1,111 @@
+"""From slopes by intensity to slopes by parameter."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from regframe.engine.scene import Scene
+from regframe.geometry import AffineMap, Frame, Grid
+from regframe.interpolators.base import Samples
+from regframe.interpolators.linear import Linear
+from regframe.kernels.gaussian import gradient
+from regframe.preset import Stage
+from regframe.types import Indices, Matrix, Params, Points, Values, Volume
+
+
+@dataclass(frozen=True, eq=False)
+class MovingSlopes:
+    """The chain rule behind a metric's derivative.
+
+    Parameters
+    ----------
+    stage, scene
+    images : tuple of volumes
+        ITK's gradient images along physical x, y (and z); empty in the other modes.
+    """
+
+    stage: Stage
+    scene: Scene
+    images: tuple[Volume, ...]
+
+    @classmethod
+    def of(cls, stage: Stage, scene: Scene) -> "MovingSlopes":
+        """Prepared for one level."""
+        images: tuple[Volume, ...] = ()
+        if stage.gradient == "filtered":
+            moving = scene.moving
+            grid = moving.grid
+            slopes = gradient(
+                moving.values, max(grid.spacing), spacing=grid.spacing, direction=np.array(grid.direction)
+            )
+            images = tuple(slopes)
+        return cls(stage, scene, images)
+
+    def pull(self, params: Params, forces: Values, frame: Frame) -> Params:
+        """Slope of the metric by each parameter.
+
+        Parameters
+        ----------
+        forces : (n,) float64
+            d value / d moving intensity of each sample.
+        """
+        transform, scene = self.stage.transform, self.scene
+        affine = transform.as_affine(params, frame)
+        if self.stage.gradient == "exact" and affine is not None:
+            moments = self._moments(affine, forces)
+            return transform.parameter_gradient(params, *levers(moments), frame)
+        points = scene.points
+        indices = scene.moving.grid.indices(transform.map(params, points, frame))
+        felt = forces != 0.0
+        kept = np.ascontiguousarray(indices[felt])
+        slopes = forces[felt, None] * self._at(kept)
+        return transform.parameter_gradient(params, points[felt], slopes, frame)
+
+    def _moments(self, affine: AffineMap, forces: Values) -> Matrix:
+        """sum of force (x) [point, 1] in physical space, (dim, dim + 1), from one fused pass."""
+        scene, to_index, from_index = self.scene, self.scene.moving.grid.point_to_index, self.scene.grid.index_to_point
+        whole = (to_index @ affine @ from_index).reversed_axes()
+        pulled = self.stage.interpolator.pull_back(scene.coefficients, scene.samples, whole, forces)
+        matrix, offset = pulled[::-1, -2::-1], pulled[::-1, -1]
+        force = to_index.matrix.T @ offset
+        levered = to_index.matrix.T @ matrix @ from_index.matrix.T + np.outer(force, from_index.offset)
+        return np.column_stack([levered, force])
+
+    def _at(self, indices: Indices) -> Points:
+        """Slope of the moving image along the physical axes, x first, at its indices."""
+        grid = self.scene.moving.grid
+        if self.stage.gradient == "filtered":
+            at = Samples(grid.shape, np.clip(indices, 0.0, np.array(grid.shape) - 1.0))
+            return np.column_stack([Linear().resample(image, at, None)[0] for image in self.images])
+        if self.stage.gradient == "central":
+            return _central(np.ascontiguousarray(self.scene.moving.values, np.float64), indices, grid)
+        slopes = self.stage.interpolator.gradient(self.scene.coefficients, indices)
+        return slopes[:, ::-1] @ grid.point_to_index.matrix
+
+
+def _central(volume: Volume, indices: Indices, grid: Grid) -> Points:
+    """ITK's central differences: half a spacing along each physical axis, 0 where one end is outside."""
+    points = grid.points(indices)
+    slopes = np.zeros_like(points)
+    for axis, spacing in enumerate(grid.spacing):
+        ahead, behind = points.copy(), points.copy()
+        ahead[:, axis] += spacing / 2
+        behind[:, axis] -= spacing / 2
+        ends = [Linear().resample(volume, Samples(grid.shape, grid.indices(p)), None) for p in (ahead, behind)]
+        both = (ends[0][1] > 0) & (ends[1][1] > 0)
+        rise = ends[0][0] - ends[1][0]
+        slopes[both, axis] = rise[both] / (ahead[both, axis] - behind[both, axis])
+    return slopes
+
+
+def levers(moments: Matrix) -> tuple[Points, Points]:
+    """A few points and forces with given moments ``sum of force (x) [point, 1]``.
+
+    An affine map's slope by its parameters depends on the forces through these moments alone, so dim + 1
+    points stand for all samples: the origin and the ends of the unit vectors.
+    """
+    dim = len(moments)
+    points = np.concatenate([np.zeros((1, dim)), np.eye(dim)])
+    at_ends = moments[:, :dim].T
+    return points, np.concatenate([(moments[:, dim] - at_ends.sum(axis=0))[None], at_ends])

@@ -1,0 +1,77 @@
+"""Where a stage begins: the frame its parameters speak of, and their first values."""
+
+import numpy as np
+
+from regframe.errors import ImageError
+from regframe.geometry import AffineMap, Frame
+from regframe.image import Image
+from regframe.preset import Stage
+from regframe.transforms.linear import about
+from regframe.transforms.warp import Chain, Warp
+from regframe.types import Params
+
+
+def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None) -> Warp:
+    """The stage's first warp.
+
+    Parameters
+    ----------
+    stage : Stage
+    fixed, moving : Image
+        After their filters.
+    before : Warp or Chain or None
+        What the stage before found, or a start given by the user.
+
+    Raises
+    ------
+    GeometryError
+        The transform cannot represent the start.
+    ImageError
+        Centres of mass of an image without mass.
+    """
+    transform, frame = stage.transform, Frame.about_centre(fixed.grid)
+    if stage.start == "previous" and before is not None:
+        return _continued(stage, before)
+    if stage.start == "identity":
+        return Warp(transform, transform.identity(frame), frame)
+    unit = np.eye(fixed.dim)
+    if stage.start == "moments":
+        frame = Frame(fixed.grid, _mass_centre(fixed))
+        shift = _mass_centre(moving) - frame.centre
+    else:
+        shift = moving.grid.centre - frame.centre
+    if stage.start == "fields-of-view":
+        unit = unit * (moving.grid.extent[0] / fixed.grid.extent[0])
+    return Warp(transform, transform.from_affine(about(unit, shift, frame.centre), frame), frame)
+
+
+def _continued(stage: Stage, before: Warp | Chain) -> Warp:
+    """The earlier map as a member of this stage's family, about the same centre."""
+    frame = before.frame
+    if isinstance(before, Warp) and type(before.transform) is type(stage.transform):
+        return Warp(stage.transform, before.params, frame)
+    affine = before.as_affine()
+    if affine is None:
+        # Only the same family can continue a curved map; from_affine of the corners' best fit would
+        # silently lose the curve.
+        return Warp(stage.transform, stage.transform.from_affine(AffineMap.identity(frame.dim), frame), frame)
+    return Warp(stage.transform, stage.transform.from_affine(affine, frame), frame)
+
+
+def _mass_centre(image: Image) -> Params:
+    """Intensity-weighted centre, physical; signed intensities without threshold, as in ITK."""
+    values = np.asarray(image.values, np.float64)
+    total = float(values.sum())
+    if total == 0.0:
+        message = (
+            f"{image.name}: its intensities sum to 0, so it has no centre of mass. "
+            'Use start = "centres", or shift the intensities with a filter.'
+        )
+        raise ImageError(message)
+    index = np.array([float((values.sum(axis=_others(values.ndim, a)) * np.arange(n)).sum()) / total
+                      for a, n in enumerate(values.shape)])
+    return image.grid.points(index[None])[0]
+
+
+def _others(dim: int, axis: int) -> tuple[int, ...]:
+    return tuple(other for other in range(dim) if other != axis)

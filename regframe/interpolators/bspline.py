@@ -1,0 +1,80 @@
+"""B-spline interpolation."""
+
+from typing import final
+
+import numpy as np
+from pydantic import Field
+
+from regframe.geometry import AffineMap
+from regframe.interpolators.base import Interpolator, Samples
+from regframe.interpolators.volumes import as_3d, kernel_matrix, kernel_samples, padded, resampled, summed
+from regframe.kernels import spline, spline_plane
+from regframe.kernels.jit import BLOCKS, share
+from regframe.types import Indices, Matrix, Points, Values, Volume
+
+
+@final
+class BSpline(Interpolator):
+    """Splines of order 0 to 5 through the pixels, mirrored at the borders.
+
+    After Unser, Aldroubi and Eden, "B-spline signal processing: Part I and II", IEEE Transactions on
+    Signal Processing 41(2), 1993; the borders, the inside rule and the order of sums are ITK's.
+    """
+
+    order: int = Field(3, ge=0, le=5, description="Degree of the polynomial pieces; 3 is the usual choice.")
+
+    def prepare(self, volume: Volume) -> Volume:
+        """Spline coefficients: the recursive prefilter along x, then y, then z."""
+        poles = np.array(spline.POLES[self.order])
+        coefficients = np.array(volume, np.float64)
+        if not len(poles):
+            return coefficients
+        for axis in range(volume.ndim - 1, -1, -1):
+            if volume.shape[axis] == 1:
+                continue
+            turned = np.ascontiguousarray(np.moveaxis(coefficients, axis, -1))
+            lines = turned.reshape(-1, volume.shape[axis])
+            share(spline.filter_lines, len(lines), lines, poles)
+            coefficients = np.ascontiguousarray(np.moveaxis(turned, -1, axis))
+        return coefficients
+
+    def sample(self, coefficients: Volume, indices: Indices) -> Values:
+        """Values at (n, dim) indices, array order."""
+        return resampled(spline.resample, coefficients, self.order, Samples(coefficients.shape, indices), None)[0]
+
+    def gradient(self, coefficients: Volume, indices: Indices) -> Points:
+        """Slopes of the spline, (n, dim), array order."""
+        slopes = np.empty((len(indices), 3))
+        share(spline.gradient, len(indices), as_3d(coefficients), self.order, padded(indices), slopes)
+        return np.ascontiguousarray(slopes[:, 3 - indices.shape[1] :])
+
+    def resample(
+        self, coefficients: Volume, samples: Samples, index_map: AffineMap | None
+    ) -> tuple[Values, Values]:
+        """Values and inside weights, fused."""
+        if self._planar(coefficients, samples):
+            values, weights = np.empty(len(samples)), np.empty(len(samples))
+            height, width = samples.shape
+            matrix = kernel_matrix(index_map, 2)[1:, 1:]
+            share(spline_plane.resample, height, coefficients, width, matrix.copy(), values, weights)
+            return values, weights
+        return resampled(spline.resample, coefficients, self.order, samples, index_map)
+
+    def pull_back(
+        self, coefficients: Volume, samples: Samples, index_map: AffineMap, forces: Values
+    ) -> Matrix:
+        """Derivative of ``forces . resample`` by the index map, fused."""
+        grid, indices, _ = kernel_samples(samples)
+        matrix, partial = kernel_matrix(index_map, coefficients.ndim), np.zeros((BLOCKS, 3, 4))
+        if self._planar(coefficients, samples):
+            plane = partial[:, 1:, 1:].copy()
+            share(spline_plane.pull_back, BLOCKS, coefficients, grid[1:].copy(), matrix[1:, 1:].copy(), forces, plane)
+            partial[:, 1:, 1:] = plane
+        else:
+            volume = as_3d(coefficients)
+            share(spline.pull_back, BLOCKS, volume, self.order, grid, indices, matrix, forces, partial)
+        return summed(partial, coefficients.ndim)
+
+    def _planar(self, coefficients: Volume, samples: Samples) -> bool:
+        """Whether the case is the one with kernels of its own: cubic, 2-D, the whole grid."""
+        return self.order == 3 and coefficients.ndim == 2 and samples.indices is None

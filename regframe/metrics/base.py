@@ -1,0 +1,63 @@
+"""How unlike two images are."""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from regframe.component import Component
+from regframe.types import Values
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """Intensities met at the same physical points.
+
+    Parameters
+    ----------
+    fixed, moving : (n,) float64
+        Intensities; where the weight is 0 they are finite but mean nothing.
+    weight : (n,) float64, >= 0
+        0 means 'not there': outside an image or a mask.
+    fixed_range, moving_range : tuple of float
+        Smallest and largest value of the level's images, under their masks.
+    shape : tuple of int or None
+        The grid's shape, array order, when samples are a whole grid (`n` is its product).
+    prepared : object
+        What `Metric.prepare` returned for this level.
+    """
+
+    fixed: Values
+    moving: Values
+    weight: Values
+    fixed_range: tuple[float, float]
+    moving_range: tuple[float, float]
+    shape: tuple[int, ...] | None = None
+    prepared: object = None
+
+
+class Metric(Component):
+    """How unlike two images are; lower is better.
+
+    A metric is a function of paired intensities: it never sees an image, a transform, an interpolator,
+    a mask, a level or a thread. One method is enough; the hooks add speed.
+    """
+
+    layout: ClassVar[Literal["points", "grid"]] = "points"
+
+    @abstractmethod
+    def value(self, pairs: Pairs) -> float:
+        """One number, lower for better aligned images; infinite or NaN when nothing can be compared."""
+
+    def derivative(self, pairs: Pairs) -> Values | None:
+        """Hook: d value / d moving, (n,) float64, or None to let the engine difference `value`.
+
+        The derivative is taken at fixed weights: a sample that leaves the image is a jump, not a slope.
+        """
+        return None
+
+    def prepare(self, pairs: Pairs) -> object:
+        """Hook: anything worth computing once a level; arrives in every later call as `pairs.prepared`.
+
+        `pairs.moving` is not filled in yet; `pairs.fixed`, both ranges and the shape are.
+        """
+        return None

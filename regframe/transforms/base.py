@@ -1,0 +1,81 @@
+"""Families of maps from fixed to moving points."""
+
+from abc import abstractmethod
+from typing import ClassVar
+
+import numpy as np
+
+from regframe.component import Component
+from regframe.errors import GeometryError
+from regframe.geometry import AffineMap, Frame
+from regframe.types import Params, Points
+
+DIFFERENCE_STEP = 1e-6
+
+
+class Transform(Component):
+    """A family of maps from fixed points to moving points, indexed by parameters.
+
+    Parameters, their order and the centre are ITK's, so a warp crosses to SimpleITK without arithmetic.
+    """
+
+    dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+
+    @abstractmethod
+    def identity(self, frame: Frame) -> Params:
+        """Parameters that move nothing."""
+
+    @abstractmethod
+    def map(self, params: Params, points: Points, frame: Frame) -> Points:
+        """Moving points of (n, dim) fixed points, physical, x first."""
+
+    def names(self, frame: Frame) -> tuple[str, ...]:
+        """Hook: what each parameter is called in traces and reports; a unit where it has one."""
+        return tuple(f"p{i}" for i in range(len(self.identity(frame))))
+
+    def parameter_gradient(self, params: Params, points: Points, forces: Points, frame: Frame) -> Params:
+        """Hook: sum over points of ``forces . d map / d params``, (p,).
+
+        Parameters
+        ----------
+        points, forces : (n, dim) float64, physical, x first
+        """
+        steps = DIFFERENCE_STEP / self.shift(params, frame)
+        total = np.empty_like(params)
+        for i, step in enumerate(steps):
+            ahead, behind = params.copy(), params.copy()
+            ahead[i] += step
+            behind[i] -= step
+            slope = (self.map(ahead, points, frame) - self.map(behind, points, frame)) / (2 * step)
+            total[i] = float(np.sum(forces * slope))
+        return total
+
+    def shift(self, params: Params, frame: Frame) -> Params:
+        """Hook: largest motion over the grid's corners per unit of each parameter, (p,)."""
+        corners, step = frame.grid.corners(), 1e-4
+        here = self.map(params, corners, frame)
+        reach = np.empty_like(params)
+        for i in range(len(params)):
+            moved = params.copy()
+            moved[i] += step
+            there = self.map(moved, corners, frame)
+            reach[i] = np.sqrt(((there - here) ** 2).sum(axis=1)).max() / step
+        return reach
+
+    def as_affine(self, params: Params, frame: Frame) -> AffineMap | None:
+        """Hook: the map as a matrix and offset, physical, or None; opens the fast path."""
+        return None
+
+    def from_affine(self, affine: AffineMap, frame: Frame) -> Params:
+        """Hook: parameters whose map is nearest to a given affine one; starts and stages use it.
+
+        Raises
+        ------
+        GeometryError
+            The family cannot be started from an affine map.
+        """
+        message = (
+            f"{type(self).__name__} cannot start from a given affine map. Start it from the identity, "
+            "or give it a `from_affine`."
+        )
+        raise GeometryError(message)
