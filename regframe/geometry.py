@@ -15,7 +15,7 @@ from typing import Self
 import numpy as np
 
 from regframe.errors import GeometryError
-from regframe.types import Indices, Matrix, Params, Points
+from regframe.types import Indices, Mask, Matrix, Params, Points
 
 Row = tuple[float, ...]
 
@@ -75,7 +75,7 @@ class AffineMap:
             )
             raise GeometryError(message)
         matrix = np.linalg.inv(self.matrix)
-        return AffineMap(matrix, -(matrix @ self.offset))
+        return AffineMap(np.asarray(matrix, np.float64), -(matrix @ self.offset))
 
     def reversed_axes(self) -> "AffineMap":
         """The same map written for the opposite order of axes (xyz against zyx)."""
@@ -189,9 +189,9 @@ class Grid:
             total = total + matrix[:, column] * offset[:, column : column + 1]
         return np.ascontiguousarray(total[:, ::-1])
 
-    def inside(self, indices: Indices) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+    def inside(self, indices: Indices) -> Mask:
         """Which of (n, dim) indices lie in the grid's pixels: -0.5 <= index < n - 0.5."""
-        return np.all((indices >= -0.5) & (indices < np.array(self.shape) - 0.5), axis=1)
+        return np.asarray(np.all((indices >= -0.5) & (indices < np.array(self.shape) - 0.5), axis=1))
 
     def all_indices(self) -> Indices:
         """Index of every grid point, (size, dim), x fastest."""
@@ -208,23 +208,33 @@ class Grid:
     @cached_property
     def centre(self) -> Params:
         """The physical centre."""
-        return self.points((np.array(self.shape)[None] - 1) / 2)[0]
+        middle: Params = self.points((np.array(self.shape)[None] - 1) / 2)[0]
+        return middle
 
     @property
     def extent(self) -> Params:
         """Length of each axis, outer pixel edges, x first."""
-        return np.array(self.spacing) * np.array(self.shape[::-1])
+        return np.asarray(np.array(self.spacing) * np.array(self.shape[::-1]), np.float64)
 
     def coarsen(self, factor: int) -> "Grid":
         """The grid with `factor` times the spacing and the same physical centre, at least 1 point an axis."""
         if factor == 1:
             return self
         shape = tuple(max(n // factor, 1) for n in self.shape)
-        spacing = np.array(self.spacing)
-        old = (np.array(self.shape[::-1]) - 1) / 2 * spacing
-        new = (np.array(shape[::-1]) - 1) / 2 * (factor * spacing)
-        origin = np.array(self.origin) + np.array(self.direction) @ (old - new)
-        return Grid(shape, tuple(map(float, factor * spacing)), tuple(map(float, origin)), self.direction)
+        spacing = tuple(factor * s for s in self.spacing)
+        coarse = Grid(shape, spacing, self.origin, self.direction)
+        # ITK's order: the difference of two centres, each with the origin added last.
+        shift = self._middle() - coarse._middle()
+        origin = np.array(self.origin) + shift
+        return Grid(shape, spacing, tuple(map(float, origin)), self.direction)
+
+    def _middle(self) -> Params:
+        """The physical centre, summed as ITK sums a continuous index."""
+        scaled, middle = self.index_to_point.matrix, (np.array(self.shape[::-1]) - 1) / 2
+        total = scaled[:, 0] * middle[0]
+        for column in range(1, self.dim):
+            total = total + scaled[:, column] * middle[column]
+        return np.asarray(total + np.array(self.origin), np.float64)
 
 
 @dataclass(frozen=True, eq=False)

@@ -115,8 +115,9 @@ def as_pixels(array: NDArray[Any], name: str = "image") -> Pixels:
         message = f"{name}: pixels must be real numbers. Got type {array.dtype}. Convert them first."
         raise ImageError(message)
     small = array.dtype.kind == "b" or (array.dtype.kind in "ui" and array.dtype.itemsize <= 2)
-    wanted = np.float32 if small or array.dtype in (np.float16, np.float32) else np.float64
-    return np.ascontiguousarray(array, dtype=wanted)
+    if small or array.dtype in (np.float16, np.float32):
+        return np.ascontiguousarray(array, np.float32)
+    return np.ascontiguousarray(array, np.float64)
 
 
 def _check_values(values: Pixels, grid: Grid, name: str) -> None:

@@ -86,6 +86,8 @@ class Result:
         As they were given, before filters.
     trace : tuple of Progress
         One entry an iteration.
+    start : Warp or Chain, optional
+        Where the first stage began.
     """
 
     warp: Warp | Chain
@@ -97,13 +99,16 @@ class Result:
     fixed: Image
     moving: Image
     trace: tuple[Progress, ...] = field(repr=False, default=())
+    start: Warp | Chain | None = field(repr=False, default=None)
 
     @property
     def pixel_map(self) -> AffineMap:
         """From fixed to moving pixel, x first, pixel centres at whole numbers."""
         affine = self.warp.as_affine()
         if affine is None:
-            message = "This warp is not affine, so it has no single pixel matrix. Call `warp(points)` instead."
+            message = (
+                "This warp is not affine, so it has no single pixel matrix. Call `warp(points)` instead."
+            )
             raise GeometryError(message)
         return self.moving.grid.point_to_index @ affine @ self.fixed.grid.index_to_point
 
@@ -144,13 +149,13 @@ class Engine(Component):
 
     @abstractmethod
     def iterate(
-        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | None = None
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | None = None
     ) -> Generator[Progress, None, Result]:
         """Yield a Progress an iteration and return the Result.
 
         Parameters
         ----------
-        start : Warp, optional
+        start : Warp or Chain, optional
             Where the first stage begins, in place of its own `start`.
 
         Raises

@@ -4,8 +4,6 @@ from collections.abc import Generator
 from time import perf_counter
 from typing import final
 
-import numpy as np
-
 from regframe.engine.base import Engine, LevelReport, Progress, Result
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
@@ -34,73 +32,81 @@ class Native(Engine):
         given, fixed, moving = (fixed, moving), *filtered(preset, fixed, moving)
         trace: list[Progress] = []
         reports: list[LevelReport] = []
-        warp: Warp | Chain | None = start
-        for number, stage in enumerate(preset.stages):
-            if number == 0 and start is not None:
-                stage = stage.model_copy(update={"start": "previous"})
-            warp = begin(stage, fixed, moving, warp)
-            rng, sampling_seed = stage.optimizer.normals(preset.seed), preset.seed
+        first: Warp | None = None
+        for number, stage in enumerate(_begun(preset.stages, start)):
+            warp = begin(stage, fixed, moving, start)
+            first = first or warp
+            rng, seed = stage.optimizer.normals(preset.seed), preset.seed
             for depth in range(len(stage.levels)):
-                run = _Level(stage, number, depth, sampling_seed)
-                warp, report = yield from run.walk(fixed, moving, warp, rng, trace, began)
-                sampling_seed = run.next_seed
+                run = _Level(stage, number, depth, seed)
+                warp, report = yield from run.walk((fixed, moving), warp, rng, trace, began)
+                seed = run.next_seed
                 reports.append(report)
-        assert warp is not None
+            start = warp
         facts = provenance(preset, *given, seconds=perf_counter() - began)
         last = reports[-1]
-        return Result(warp, last.value, last.stop, tuple(reports), preset, facts, *given, tuple(trace))
+        return Result(warp, last.value, last.stop, tuple(reports), preset, facts, *given, tuple(trace), first)
+
+
+def _begun(stages: tuple[Stage, ...], start: Warp | Chain | None) -> tuple[Stage, ...]:
+    """The stages, the first one continuing a start given by the user."""
+    if start is None:
+        return stages
+    return (stages[0].model_copy(update={"start": "previous"}), *stages[1:])
 
 
 class _Level:
     """One level of a run."""
 
-    def __init__(self, stage: Stage, number: int, depth: int, sampling_seed: int) -> None:
+    def __init__(self, stage: Stage, number: int, depth: int, seed: int) -> None:
         self.stage, self.number, self.depth = stage, number, depth
         self.level = stage.levels[depth]
-        self.seed = self.next_seed = sampling_seed
+        self.seed = self.next_seed = seed
 
     def walk(
-        self, fixed: Image, moving: Image, warp: Warp, rng: Normals, trace: list[Progress], began: float
+        self, images: tuple[Image, Image], warp: Warp, rng: Normals, trace: list[Progress], began: float
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
-        scene, self.next_seed = prepare(self.stage, self.level, fixed, moving, self.seed)
-        space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, moving.grid)
+        scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed)
+        space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
         steps = self.stage.optimizer.steps(objective, at, rng)
-        value, stop, count = float("nan"), f"the limit of {self.level.iterations} iterations", 0
-        while count < self.level.iterations:
+        limit, before = self.level.iterations, len(trace)
+        stop = f"the limit of {limit} iterations"
+        for count in range(limit):
             try:
                 step = next(steps)
             except StopIteration as end:
                 stop = str(end.value)
                 break
-            at, value = step.params, step.value
-            progress = Progress(
-                self.number,
-                self.depth,
-                count,
-                self.level.iterations,
-                value,
-                space.params(at),
-                step.size,
-                perf_counter() - began,
-                objective.evaluations,
+            at = step.params
+            here, seconds = space.params(at), perf_counter() - began
+            trace.append(
+                Progress(
+                    self.number,
+                    self.depth,
+                    count,
+                    limit,
+                    step.value,
+                    here,
+                    step.size,
+                    seconds,
+                    objective.evaluations,
+                )
             )
-            count += 1
-            trace.append(progress)
-            yield progress
+            yield trace[-1]
         steps.close()
-        params = space.params(at)
+        params, walked = space.params(at), trace[before:]
         report = LevelReport(
             self.number,
             self.depth,
             scene.grid.shape,
             len(scene.samples),
-            count,
+            len(walked),
             objective.evaluations,
             objective.first,
-            objective.first if np.isnan(value) else value,
+            walked[-1].value if walked else objective.first,
             stop,
             perf_counter() - level_began,
             tuple(map(float, params)),

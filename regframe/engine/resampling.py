@@ -94,7 +94,7 @@ def resample(
 def _as_type(values: Volume, inside: Mask, dtype: "np.dtype[Any]", fill: float) -> NDArray[Any]:
     filled = np.where(inside, values, fill)
     if dtype.kind == "b":
-        return filled >= 0.5  # noqa: PLR2004 -- half way between False and True
+        return filled >= 0.5
     if dtype.kind in "ui":
         limits = np.iinfo(dtype)
         return np.clip(np.rint(filled), limits.min, limits.max).astype(dtype)

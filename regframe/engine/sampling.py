@@ -46,7 +46,7 @@ def draw(level: Level, grid: Grid, seed: int) -> tuple[Samples, int]:
 
 def _words(seed: int, count: int) -> NDArray[np.float64]:
     """32-bit words of the Mersenne twister after Knuth's plain initialisation."""
-    source = np.random.RandomState(seed % 2**32)._bit_generator  # type: ignore[attr-defined]  # noqa: SLF001, NPY002
+    source = np.random.RandomState(seed % 2**32)._bit_generator
     return np.asarray(source.random_raw(count), np.float64)
 
 
@@ -65,4 +65,4 @@ def _jittered(grid: Grid, chosen: NDArray[np.int64], seed: int) -> Points:
     words = _words(seed, 2 * indices.size).reshape(-1, 2)
     normal = np.sqrt(-2.0 * np.log(1.0 - _open(words[:, 0]))) * np.cos(2.0 * np.pi * (words[:, 1] / WORD))
     moved = points.astype(np.float64) + normal.reshape(indices.shape) * np.array(grid.spacing) / 3.0
-    return moved.astype(np.float32).astype(np.float64)
+    return np.asarray(moved.astype(np.float32), np.float64)

@@ -101,7 +101,9 @@ def _largest(
     return float(np.sqrt(((there - here) ** 2).sum(axis=1)).max())
 
 
-def _jacobian(transform: Transform, params: Params, points: Points, frame: Frame) -> "np.ndarray[tuple[int, ...], np.dtype[np.float64]]":
+def _jacobian(
+    transform: Transform, params: Params, points: Points, frame: Frame
+) -> "np.ndarray[tuple[int, ...], np.dtype[np.float64]]":
     """d map / d params at each point, (p, n, dim), one unit force at a time."""
     whole = np.empty((len(params), len(points), frame.dim))
     for n in range(len(points)):

@@ -1,7 +1,6 @@
 """From slopes by intensity to slopes by parameter."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -64,7 +63,11 @@ class MovingSlopes:
 
     def _moments(self, affine: AffineMap, forces: Values) -> Matrix:
         """sum of force (x) [point, 1] in physical space, (dim, dim + 1), from one fused pass."""
-        scene, to_index, from_index = self.scene, self.scene.moving.grid.point_to_index, self.scene.grid.index_to_point
+        scene, to_index, from_index = (
+            self.scene,
+            self.scene.moving.grid.point_to_index,
+            self.scene.grid.index_to_point,
+        )
         whole = (to_index @ affine @ from_index).reversed_axes()
         pulled = self.stage.interpolator.pull_back(scene.coefficients, scene.samples, whole, forces)
         matrix, offset = pulled[::-1, -2::-1], pulled[::-1, -1]
@@ -92,7 +95,9 @@ def _central(volume: Volume, indices: Indices, grid: Grid) -> Points:
         ahead, behind = points.copy(), points.copy()
         ahead[:, axis] += spacing / 2
         behind[:, axis] -= spacing / 2
-        ends = [Linear().resample(volume, Samples(grid.shape, grid.indices(p)), None) for p in (ahead, behind)]
+        ends = [
+            Linear().resample(volume, Samples(grid.shape, grid.indices(p)), None) for p in (ahead, behind)
+        ]
         both = (ends[0][1] > 0) & (ends[1][1] > 0)
         rise = ends[0][0] - ends[1][0]
         slopes[both, axis] = rise[both] / (ahead[both, axis] - behind[both, axis])

@@ -68,9 +68,13 @@ def _mass_centre(image: Image) -> Params:
             'Use start = "centres", or shift the intensities with a filter.'
         )
         raise ImageError(message)
-    index = np.array([float((values.sum(axis=_others(values.ndim, a)) * np.arange(n)).sum()) / total
-                      for a, n in enumerate(values.shape)])
-    return image.grid.points(index[None])[0]
+    index = np.array(
+        [
+            float((values.sum(axis=_others(values.ndim, a)) * np.arange(n)).sum()) / total
+            for a, n in enumerate(values.shape)
+        ]
+    )
+    return np.asarray(image.grid.points(index[None])[0])
 
 
 def _others(dim: int, axis: int) -> tuple[int, ...]:

@@ -62,7 +62,9 @@ class Interpolator(Component):
             ahead, behind = indices.copy(), indices.copy()
             ahead[:, axis] += step
             behind[:, axis] -= step
-            slopes[:, axis] = (self.sample(coefficients, ahead) - self.sample(coefficients, behind)) / (2 * step)
+            slopes[:, axis] = (self.sample(coefficients, ahead) - self.sample(coefficients, behind)) / (
+                2 * step
+            )
         return slopes
 
     def resample(

@@ -40,7 +40,9 @@ class BSpline(Interpolator):
 
     def sample(self, coefficients: Volume, indices: Indices) -> Values:
         """Values at (n, dim) indices, array order."""
-        return resampled(spline.resample, coefficients, self.order, Samples(coefficients.shape, indices), None)[0]
+        return resampled(
+            spline.resample, coefficients, self.order, Samples(coefficients.shape, indices), None
+        )[0]
 
     def gradient(self, coefficients: Volume, indices: Indices) -> Points:
         """Slopes of the spline, (n, dim), array order."""
@@ -68,7 +70,15 @@ class BSpline(Interpolator):
         matrix, partial = kernel_matrix(index_map, coefficients.ndim), np.zeros((BLOCKS, 3, 4))
         if self._planar(coefficients, samples):
             plane = partial[:, 1:, 1:].copy()
-            share(spline_plane.pull_back, BLOCKS, coefficients, grid[1:].copy(), matrix[1:, 1:].copy(), forces, plane)
+            share(
+                spline_plane.pull_back,
+                BLOCKS,
+                coefficients,
+                grid[1:].copy(),
+                matrix[1:, 1:].copy(),
+                forces,
+                plane,
+            )
             partial[:, 1:, 1:] = plane
         else:
             volume = as_3d(coefficients)

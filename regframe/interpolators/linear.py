@@ -30,6 +30,12 @@ class Linear(Interpolator):
         self, coefficients: Volume, samples: Samples, index_map: AffineMap | None
     ) -> tuple[Values, Values]:
         """Values and inside weights, fused."""
+        if samples.indices is None:
+            grid, _, rows = kernel_samples(samples)
+            values, weights = np.empty(len(samples)), np.empty(len(samples))
+            matrix = kernel_matrix(index_map, coefficients.ndim)
+            share(linear.resample_grid, rows, as_3d(coefficients), grid, matrix, values, weights)
+            return values, weights
         return resampled(linear.resample, coefficients, 1, samples, index_map)
 
     def pull_back(

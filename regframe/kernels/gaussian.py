@@ -57,13 +57,13 @@ def smooth(values: Pixels, sigmas: Sequence[float]) -> Pixels:
     Examples
     --------
     >>> edge = np.repeat([0.0, 1.0], 5)[None].repeat(8, axis=0)
-    >>> smooth(edge, (0.0, 1.0))[0].round(2)
-    array([0.  , 0.  , 0.  , 0.07, 0.31, 0.69, 0.93, 1.  , 1.  , 1.  ])
+    >>> smooth(edge, (0.0, 1.0))[0, 3:7].round(2)
+    array([0.06, 0.3 , 0.7 , 0.94])
     """
     smoothed = np.array(values, dtype=np.float64, order="C")
     for axis in (0, *range(values.ndim - 1, 0, -1)):
         if sigmas[axis] > 0.0:
-            _filter_axis(smoothed, axis, coefficients(sigmas[axis], 0))
+            filter_axis(smoothed, axis, coefficients(sigmas[axis], 0))
     return smoothed.astype(np.float32) if values.dtype == np.float32 else smoothed
 
 
@@ -101,7 +101,7 @@ def gradient(
         for axis in sorted(range(dim), key=lambda axis: axis != along):
             wide = sigma / spacing[axis]
             line = coefficients(wide, 1, sigma) if axis == along else coefficients(wide, 0)
-            _filter_axis(slopes[along], dim - 1 - axis, line)
+            filter_axis(slopes[along], dim - 1 - axis, line)
         slopes[along] = (slopes[along] / spacing[along]).astype(np.float32)
     if direction is None:
         return slopes
@@ -137,6 +137,34 @@ def coefficients(sigma: float, order: Order, gain: float = 1.0) -> Matrix:
     before = feedback * _moments(forward)[0] / total
     after = feedback * _moments(backward)[0] / total
     return np.stack([feedback, forward, before, backward, after])
+
+
+def filter_axis(volume: Volume, axis: int, weights: Matrix) -> None:
+    """Filter every line along an axis, in place, and round to float32.
+
+    Parameters
+    ----------
+    volume : (ny, nx) or (nz, ny, nx) float64, C-contiguous
+    axis : int, array order
+    weights : (5, 4) float64
+        From `coefficients`.
+
+    Raises
+    ------
+    GeometryError
+        The axis is shorter than 4 pixels.
+    """
+    length = volume.shape[axis]
+    if length < SHORTEST:
+        message = (
+            f"Smoothing needs at least {SHORTEST} pixels along each smoothed axis. "
+            f"Got {length} along axis {axis} of an image of shape {volume.shape}. "
+            "Set the level's smoothing to 0, or register a larger image."
+        )
+        raise GeometryError(message)
+    inner = math.prod(volume.shape[axis + 1 :])
+    blocks = -(-volume.size // length // LANES)
+    share(_filter_lines, blocks, volume.reshape(-1), length, inner, weights)
 
 
 def _waves(sigma: float) -> list[tuple[float, float, float]]:
@@ -199,21 +227,6 @@ def _forward(sigma: float, order: Order, feedback: Values, gain: float) -> Value
     else:
         scale = (en * sd * sd - ed * sn * sd - 2.0 * dn * dd * sd + 2.0 * dd * dd * sn) / (sd * sd * sd)
     return np.asarray(forward * (gain / scale), dtype=np.float64)
-
-
-def _filter_axis(volume: Volume, axis: int, weights: Matrix) -> None:
-    """Filter every line along an axis of a C-contiguous volume, in place, rounded to float32."""
-    length = volume.shape[axis]
-    if length < SHORTEST:
-        message = (
-            f"Smoothing needs at least {SHORTEST} pixels along each smoothed axis. "
-            f"Got {length} along axis {axis} of an image of shape {volume.shape}. "
-            "Set the level's smoothing to 0, or register a larger image."
-        )
-        raise GeometryError(message)
-    inner = math.prod(volume.shape[axis + 1 :])
-    blocks = -(-volume.size // length // LANES)
-    share(_filter_lines, blocks, volume.reshape(-1), length, inner, weights)
 
 
 @kernel

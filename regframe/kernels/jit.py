@@ -55,9 +55,7 @@ def share(function: Callable[..., object], count: int, *arguments: Any) -> None:
         function(0, count, *arguments)
         return
     edges = [count * i // parts for i in range(parts + 1)]
-    waiting = [
-        _pool(parts - 1).submit(function, edges[i], edges[i + 1], *arguments) for i in range(1, parts)
-    ]
+    waiting = [_pool(parts - 1).submit(function, edges[i], edges[i + 1], *arguments) for i in range(1, parts)]
     function(edges[0], edges[1], *arguments)
     for one in waiting:
         one.result()

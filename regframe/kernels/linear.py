@@ -26,7 +26,9 @@ def _start(row: int, i: int, grid: Bins, indices: Indices, at: Values) -> None:
 @kernel
 def _move(at: Values, matrix: Matrix, c: Values) -> None:
     for axis in range(3):
-        c[axis] = ((matrix[axis, 2] * at[2] + matrix[axis, 1] * at[1]) + matrix[axis, 0] * at[0]) + matrix[axis, 3]
+        c[axis] = ((matrix[axis, 2] * at[2] + matrix[axis, 1] * at[1]) + matrix[axis, 0] * at[0]) + matrix[
+            axis, 3
+        ]
 
 
 @kernel
@@ -101,23 +103,72 @@ def resample(
 
 
 @kernel
-def _slope(flat: Values, shape: Bins, c: Values, out: Values) -> None:
+def _blend(flat: Values, o: int, sx: int, sy: int, tx: float, ty: float) -> float:
+    a, c = flat[o], flat[o + sy]
+    low = a + (flat[o + sx] - a) * tx
+    return low + ((c + (flat[o + sy + sx] - c) * tx) - low) * ty
+
+
+@kernel
+def resample_grid(
+    first: int, last: int, volume: Volume, grid: Bins, matrix: Matrix, values: Values, weights: Values
+) -> None:
+    """`resample` of order 1 for whole grids, the same bits: the case worth unrolling."""
+    flat = volume.ravel()
+    depth, height, width = volume.shape
+    plane, flat_image = height * width, volume.shape[0] == 1
+    mx, my, mz = matrix[2], matrix[1], matrix[0]
+    for row in range(first, last):
+        z, y = np.float64(row // grid[1]), np.float64(row % grid[1])
+        x1, x2, y1, y2, z1, z2 = mx[1] * y, mx[0] * z, my[1] * y, my[0] * z, mz[1] * y, mz[0] * z
+        out = U(row * grid[2])
+        for i in range(U(grid[2])):
+            x = np.float64(i)
+            cx, cy = ((mx[2] * x + x1) + x2) + mx[3], ((my[2] * x + y1) + y2) + my[3]
+            cz = ((mz[2] * x + z1) + z2) + mz[3]
+            inside = cx >= -0.5 and cx < width - 0.5 and cy >= -0.5 and cy < height - 0.5
+            if not (inside and cz >= -0.5 and cz < depth - 0.5):
+                values[out + i] = 0.0
+                weights[out + i] = 0.0
+                continue
+            cx, cy, cz = max(cx, 0.0), max(cy, 0.0), max(cz, 0.0)
+            ix, iy, iz = int(cx), int(cy), int(cz)
+            sx, sy = U(ix < width - 1), U(width if iy < height - 1 else 0)
+            o = U(iz * plane + iy * width + ix)
+            value = _blend(flat, o, sx, sy, cx - ix, cy - iy)
+            if not flat_image:
+                o += U(plane if iz < depth - 1 else 0)
+                value += (_blend(flat, o, sx, sy, cx - ix, cy - iy) - value) * (cz - iz)
+            values[out + i] = value
+            weights[out + i] = 1.0
+
+
+@kernel
+def _slope(flat: Values, shape: Bins, c: Values) -> tuple[float, float, float]:
     """Slope of the linear interpolation, z y x; 0 over the outer half pixel."""
-    strides = (shape[1] * shape[2], shape[2], 1)
-    base, t, step = np.empty(3, np.int64), np.empty(3), np.empty(3, np.int64)
-    for axis in range(3):
-        base[axis] = int(max(np.floor(c[axis]), 0.0))
-        t[axis] = max(c[axis] - base[axis], 0.0)
-        step[axis] = strides[axis] if base[axis] < shape[axis] - 1 and c[axis] >= 0.0 else 0
-        out[axis] = 0.0
-    o = base[0] * strides[0] + base[1] * strides[1] + base[2]
-    for corner in range(8):
-        a, b, k = corner >> 2, (corner >> 1) & 1, corner & 1
-        value = flat[U(o + a * step[0] + b * step[1] + k * step[2])]
-        wz, wy, wx = (t[0] if a else 1.0 - t[0]), (t[1] if b else 1.0 - t[1]), (t[2] if k else 1.0 - t[2])
-        out[0] += (1.0 if a else -1.0) * wy * wx * value
-        out[1] += (1.0 if b else -1.0) * wz * wx * value
-        out[2] += (1.0 if k else -1.0) * wz * wy * value
+    cx, cy, cz = max(c[2], 0.0), max(c[1], 0.0), max(c[0], 0.0)
+    ix, iy, iz = int(cx), int(cy), int(cz)
+    tx, ty, tz = cx - ix, cy - iy, cz - iz
+    sx = U(ix < shape[2] - 1 and c[2] >= 0.0)
+    sy = U(shape[2] if iy < shape[1] - 1 and c[1] >= 0.0 else 0)
+    sz = U(shape[1] * shape[2] if iz < shape[0] - 1 and c[0] >= 0.0 else 0)
+    o = U((iz * shape[1] + iy) * shape[2] + ix)
+    a, b, d, e = flat[o], flat[o + sx], flat[o + sy], flat[o + sy + sx]
+    low, low_x = _bilinear(a, b, d, e, tx, ty), (b - a) * (1.0 - ty) + (e - d) * ty
+    low_y = (d - a) * (1.0 - tx) + (e - b) * tx
+    if sz == U(0):
+        return 0.0, low_y, low_x
+    o += sz
+    a, b, d, e = flat[o], flat[o + sx], flat[o + sy], flat[o + sy + sx]
+    high_x, high_y = (b - a) * (1.0 - ty) + (e - d) * ty, (d - a) * (1.0 - tx) + (e - b) * tx
+    along = _bilinear(a, b, d, e, tx, ty) - low
+    return along, low_y * (1.0 - tz) + high_y * tz, low_x * (1.0 - tz) + high_x * tz
+
+
+@kernel
+def _bilinear(a: float, b: float, d: float, e: float, tx: float, ty: float) -> float:
+    low = a + (b - a) * tx
+    return low + ((d + (e - d) * tx) - low) * ty
 
 
 @kernel
@@ -125,7 +176,7 @@ def gradient(first: int, last: int, volume: Volume, indices: Indices, slopes: In
     """Slopes (n, 3), z y x, at (n, 3) indices."""
     flat, shape = volume.ravel(), np.array(volume.shape)
     for i in range(first, last):
-        _slope(flat, shape, indices[i], slopes[i])
+        slopes[i, 0], slopes[i, 1], slopes[i, 2] = _slope(flat, shape, indices[i])
 
 
 @kernel
@@ -141,7 +192,7 @@ def pull_back(
 ) -> None:
     """Per block of rows: sum of forces * slope (x) [z, y, x, 1], into (blocks, 3, 4)."""
     flat, shape = volume.ravel(), np.array(volume.shape)
-    at, c, g = np.ones(4), np.empty(3), np.empty(3)
+    at, c = np.ones(4), np.empty(3)
     length = RUN if len(indices) else grid[2]
     rows = (len(forces) + length - 1) // length
     for block in range(first, last):
@@ -151,7 +202,10 @@ def pull_back(
                     continue
                 _start(row, i, grid, indices, at)
                 _move(at, matrix, c)
-                _slope(flat, shape, c, g)
+                slopes = _slope(flat, shape, c)
                 for axis in range(3):
-                    for column in range(4):
-                        partial[block, axis, column] += forces[i] * g[axis] * at[column]
+                    pull = forces[i] * slopes[axis]
+                    partial[block, axis, 0] += pull * at[0]
+                    partial[block, axis, 1] += pull * at[1]
+                    partial[block, axis, 2] += pull * at[2]
+                    partial[block, axis, 3] += pull

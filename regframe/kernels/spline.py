@@ -61,9 +61,9 @@ def _first_causal(y: Values, z: float) -> float:
             power *= z
         return total
     inverse = 1.0 / z
-    mirror = z ** (n - 1)
+    mirror = z ** np.float64(n - 1)
     total = y[0] + mirror * y[n - 1]
-    mirror = mirror * mirror * inverse
+    mirror = mirror * (mirror * inverse)
     for k in range(1, n - 1):
         total += (power + mirror) * y[k]
         power *= z
@@ -79,61 +79,67 @@ def _start(c: float, order: int) -> int:
 
 
 @kernel
-def _weights(order: int, u: float, w: Values) -> None:
-    """Weights of the taps at distances u, u - 1, ... behind a coordinate."""
+def _quartic(t: float, w: Values) -> None:
+    square = t * t
+    sixth = square / 6.0
+    w[0] = (0.5 - t) ** 4 / 24.0
+    odd = t * (sixth - 11.0 / 24.0)
+    even = 19.0 / 96.0 + square * (0.25 - sixth)
+    w[1] = even + odd
+    w[3] = even - odd
+    w[4] = w[0] + odd + 0.5 * t
+    w[2] = 1.0 - w[0] - w[1] - w[3] - w[4]
+
+
+@kernel
+def _quintic(t: float, w: Values) -> None:
+    square = t * t
+    w[5] = t * square * square / 120.0
+    square -= t
+    fourth = square * square
+    t -= 0.5
+    common = square * (square - 3.0)
+    w[0] = (0.2 + square + fourth) / 24.0 - w[5]
+    even = (square * (square - 5.0) + 9.2) / 24.0
+    odd = -t * (common + 4.0) / 12.0
+    w[2] = even + odd
+    w[3] = even - odd
+    even = (1.8 - common) / 16.0
+    odd = t * (fourth - square - 5.0) / 24.0
+    w[1] = even + odd
+    w[4] = even - odd
+
+
+@kernel
+def _weights(order: int, t: float, w: Values) -> None:
+    """Weights of the taps of a coordinate `t` behind tap number order // 2."""
     if order == 0:
         w[0] = 1.0
     elif order == 1:
-        w[0] = 1.0 - u
-        w[1] = u
+        w[0] = 1.0 - t
+        w[1] = t
     elif order == 2:
-        t = u - 1.0
         w[0] = 0.5 * (0.5 - t) * (0.5 - t)
         w[1] = 0.75 - t * t
         w[2] = 0.5 * (t + 0.5) * (t + 0.5)
     elif order == 3:
-        t = u - 1.0
         w[3] = (1.0 / 6.0) * t * t * t
         w[0] = (1.0 / 6.0) + 0.5 * t * (t - 1.0) - w[3]
         w[2] = t + w[0] - 2.0 * w[3]
         w[1] = 1.0 - w[0] - w[2] - w[3]
     elif order == 4:
-        t = u - 2.0
-        square = t * t
-        sixth = square / 6.0
-        w[0] = (0.5 - t) ** 4 / 24.0
-        odd = t * (sixth - 11.0 / 24.0)
-        even = 19.0 / 96.0 + square * (0.25 - sixth)
-        w[1] = even + odd
-        w[3] = even - odd
-        w[4] = w[0] + odd + 0.5 * t
-        w[2] = 1.0 - w[0] - w[1] - w[3] - w[4]
+        _quartic(t, w)
     else:
-        t = u - 2.0
-        square = t * t
-        w[5] = t * square * square / 120.0
-        square -= t
-        fourth = square * square
-        t -= 0.5
-        common = square * (square - 3.0)
-        w[0] = (0.2 + square + fourth) / 24.0 - w[5]
-        even = (square * (square - 5.0) + 9.2) / 24.0
-        odd = -t * (common + 4.0) / 12.0
-        w[2] = even + odd
-        w[3] = even - odd
-        even = (1.8 - common) / 16.0
-        odd = t * (fourth - square - 5.0) / 24.0
-        w[1] = even + odd
-        w[4] = even - odd
+        _quintic(t, w)
 
 
 @kernel
-def _slopes(order: int, u: float, w: Values) -> None:
+def _slopes(order: int, t: float, w: Values) -> None:
     """Derivatives of `_weights`: differences of the weights one order lower, half a pixel before."""
     w[order] = 0.0
     if order == 0:
         return
-    _weights(order - 1, u - 0.5, w)
+    _weights(order - 1, t - 0.5 if order % 2 else t + 0.5, w)
     for k in range(order, 0, -1):
         w[k] = w[k - 1] - w[k]
     w[0] = -w[0]
@@ -166,7 +172,9 @@ def _start_of(row: int, i: int, grid: Bins, indices: Indices, at: Values) -> Non
 @kernel
 def _move(at: Values, matrix: Matrix, c: Values) -> None:
     for axis in range(3):
-        c[axis] = ((matrix[axis, 2] * at[2] + matrix[axis, 1] * at[1]) + matrix[axis, 0] * at[0]) + matrix[axis, 3]
+        c[axis] = ((matrix[axis, 2] * at[2] + matrix[axis, 1] * at[1]) + matrix[axis, 0] * at[0]) + matrix[
+            axis, 3
+        ]
 
 
 @kernel
@@ -178,7 +186,7 @@ def _support(c: Values, order: int, shape: Bins, w: Matrix, taps: Bins) -> None:
             taps[0, 0] = 0
             continue
         start = _start(c[axis], order)
-        _weights(order, c[axis] - start, w[axis])
+        _weights(order, c[axis] - (start + order // 2), w[axis])
         _taps(start, order, shape[axis], stride, taps[axis])
         stride *= shape[axis]
 
@@ -244,7 +252,7 @@ def _slope_at(coefficients: Volume, order: int, c: Values, w: Matrix, taps: Bins
         if shape[axis] == 1:
             continue
         kept[:] = w[axis]
-        _slopes(order, c[axis] - _start(c[axis], order), w[axis])
+        _slopes(order, c[axis] - (_start(c[axis], order) + order // 2), w[axis])
         out[axis] = _value(flat, w[0], w, taps, count)
         w[axis] = kept
 

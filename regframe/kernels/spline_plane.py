@@ -14,12 +14,14 @@ CHUNK = 64
 OUTSIDE, BORDER, INTERIOR = 0, 1, 2
 SIXTH = 1.0 / 6.0
 
+Work = tuple[Matrix, Bins, Bins, Bins]  # offsets, taps, places of one chunk; the image's size
+
 
 @kernel
 def _locate(
     row: int, left: int, count: int, size: Bins, matrix: Matrix, w: Matrix, taps: Bins, place: Bins
 ) -> None:
-    """Offsets from the second tap (w[0] x, w[1] y), the first tap (row, column, memory), and where it lies."""
+    """Offsets from the second tap (x, y), the first tap (row, column, memory), and where it lies."""
     height, width = size[0], size[1]
     mxx, myx = matrix[1, 1], matrix[0, 1]
     shift_x, shift_y, mx0, my0 = matrix[1, 0] * row, matrix[0, 0] * row, matrix[1, 2], matrix[0, 2]
@@ -128,6 +130,49 @@ def resample(
 
 
 @kernel
+def _slope(flat: Values, o: int, stride: int, t_x: float, t_y: float) -> tuple[float, float]:
+    """Slopes along y and x over 16 taps inside the image."""
+    x, y, dx, dy = _cubic(t_x), _cubic(t_y), _cubic_slope(t_x), _cubic_slope(t_y)
+    slope_y = slope_x = 0.0
+    for j in range(4):
+        a, b, c, d = flat[o], flat[o + U(1)], flat[o + U(2)], flat[o + U(3)]
+        slope_y += dy[j] * (x[0] * a + x[1] * b + x[2] * c + x[3] * d)
+        slope_x += y[j] * (dx[0] * a + dx[1] * b + dx[2] * c + dx[3] * d)
+        o += stride
+    return slope_y, slope_x
+
+
+@kernel
+def _pull_row(
+    row: int, coefficients: Volume, width: int, matrix: Matrix, forces: Values, work: Work
+) -> tuple[float, float, float, float]:
+    """Sums over a grid row: force * slope along y and x, and both times the column."""
+    flat, stride = coefficients.ravel(), U(coefficients.shape[1])
+    w, taps, place, size = work
+    gy = gx = gyx = gxx = 0.0
+    for left in range(0, width, CHUNK):
+        count = min(CHUNK, width - left)
+        _locate(row, left, count, size, matrix, w, taps, place)
+        out = U(row * width + left)
+        for k in range(U(count)):
+            force = forces[out + k]
+            if place[k] == OUTSIDE or force == 0.0:
+                continue
+            if place[k] == INTERIOR:
+                slope_y, slope_x = _slope(flat, U(taps[2, k]), stride, w[0, k], w[1, k])
+            else:
+                x, y = _cubic(w[0, k]), _cubic(w[1, k])
+                slope_y = _at_border(coefficients, taps[:, k], x, _cubic_slope(w[1, k]))
+                slope_x = _at_border(coefficients, taps[:, k], _cubic_slope(w[0, k]), y)
+            column = np.float64(left) + np.float64(k)
+            gy += force * slope_y
+            gx += force * slope_x
+            gyx += force * slope_y * column
+            gxx += force * slope_x * column
+    return gy, gx, gyx, gxx
+
+
+@kernel
 def pull_back(
     first: int,
     last: int,
@@ -138,39 +183,12 @@ def pull_back(
     partial: Volume,
 ) -> None:
     """Per block of rows: sum of forces * slope (x) [y, x, 1], into (blocks, 2, 3)."""
-    flat, stride = coefficients.ravel(), U(coefficients.shape[1])
     size = np.array(coefficients.shape)
+    work = (np.empty((2, CHUNK)), np.empty((3, CHUNK), np.int64), np.empty(CHUNK, np.int64), size)
     height, width = grid[0], grid[1]
-    w, taps, place = np.empty((2, CHUNK)), np.empty((3, CHUNK), np.int64), np.empty(CHUNK, np.int64)
     for block in range(first, last):
         for row in range(height * block // len(partial), height * (block + 1) // len(partial)):
-            gy = gx = gyx = gxx = 0.0
-            for left in range(0, width, CHUNK):
-                count = min(CHUNK, width - left)
-                _locate(row, left, count, size, matrix, w, taps, place)
-                out = U(row * width + left)
-                for k in range(U(count)):
-                    force = forces[out + k]
-                    if place[k] == OUTSIDE or force == 0.0:
-                        continue
-                    x, y = _cubic(w[0, k]), _cubic(w[1, k])
-                    dx, dy = _cubic_slope(w[0, k]), _cubic_slope(w[1, k])
-                    slope_x = slope_y = 0.0
-                    if place[k] == INTERIOR:
-                        o = U(taps[2, k])
-                        for j in range(4):
-                            a, b, c, d = flat[o], flat[o + U(1)], flat[o + U(2)], flat[o + U(3)]
-                            slope_y += dy[j] * (x[0] * a + x[1] * b + x[2] * c + x[3] * d)
-                            slope_x += y[j] * (dx[0] * a + dx[1] * b + dx[2] * c + dx[3] * d)
-                            o += stride
-                    else:
-                        slope_y = _at_border(coefficients, taps[:, k], x, dy)
-                        slope_x = _at_border(coefficients, taps[:, k], dx, y)
-                    column = np.float64(left) + np.float64(k)
-                    gy += force * slope_y
-                    gx += force * slope_x
-                    gyx += force * slope_y * column
-                    gxx += force * slope_x * column
+            gy, gx, gyx, gxx = _pull_row(row, coefficients, width, matrix, forces, work)
             partial[block, 0, 0] += gy * row
             partial[block, 0, 1] += gyx
             partial[block, 0, 2] += gy

@@ -20,7 +20,7 @@ def about(matrix: Matrix, translation: Params, centre: Params) -> AffineMap:
 
 def translation_about(affine: AffineMap, centre: Params) -> Params:
     """The translation that belongs to a map when it is written about `centre`."""
-    return affine(centre[None])[0] - centre
+    return np.asarray(affine(centre[None])[0] - centre)
 
 
 def turn(angle_rad: float) -> Matrix:
@@ -64,4 +64,7 @@ class Linear(Transform):
         """Sum over points of ``forces . d map / d params``, (p,)."""
         matrix_slopes, translation_slopes = self.slopes(params, frame.dim)
         torque = np.einsum("ni,nj->ij", forces, points - frame.centre)
-        return np.einsum("pij,ij->p", matrix_slopes, torque) + translation_slopes @ forces.sum(axis=0)
+        total: Params = np.einsum("pij,ij->p", matrix_slopes, torque) + translation_slopes @ forces.sum(
+            axis=0
+        )
+        return total

@@ -3,19 +3,16 @@
 import numpy as np
 import pytest
 from support import sitk as peer
+from support.objectives import SPLINES, objective
 
-from regframe.catalog import INTERPOLATORS, METRICS, TRANSFORMS
+from regframe.catalog import TRANSFORMS
 from regframe.engine.objective import Objective
-from regframe.engine.scales import Coordinates
-from regframe.engine.scene import prepare
 from regframe.geometry import Grid
 from regframe.image import Image
-from regframe.preset import Level, Stage
 from regframe.transforms.warp import Warp
 
 TURN = 0.3
 OBLIQUE = ((np.cos(TURN), -np.sin(TURN)), (np.sin(TURN), np.cos(TURN)))
-SPLINES = {f"bspline{order}": {"type": "bspline", "order": order} for order in range(1, 6)}
 SIMILARITIES = [
     (1.0, 0.0, 0.0, 0.0),
     (1.0, 0.0, 3.0, -2.0),
@@ -23,21 +20,6 @@ SIMILARITIES = [
     (0.9, -0.2, 5.1, 4.4),
     (1.2, 0.6, -20.0, 11.0),
 ]
-
-
-def objective(
-    fixed: Image, moving: Image, warp: Warp, interpolator: str, *, metric: object = "mattes", gradient: str = "exact"
-) -> Objective:
-    stage = Stage(
-        transform=warp.transform,
-        interpolator=INTERPOLATORS.build(SPLINES.get(interpolator, interpolator)),
-        metric=METRICS.build(metric),
-        optimizer="one-plus-one",
-        gradient=gradient,
-    )
-    scene, _ = prepare(stage, Level(), fixed, moving, 1)
-    ones = np.ones_like(warp.params)
-    return Objective(stage, scene, warp.frame, Coordinates(np.zeros_like(warp.params), ones, ones))
 
 
 def valid(ours: Objective, params: np.ndarray) -> int:

@@ -1,0 +1,77 @@
+"""The five registries and what regframe ships in each: data only, sorted, nothing imported."""
+
+from typing import TYPE_CHECKING
+
+from regframe.registry import AnyRegistry, Registry
+
+if TYPE_CHECKING:
+    from regframe.filters.base import Filter
+    from regframe.interpolators.base import Interpolator
+    from regframe.metrics.base import Metric
+    from regframe.optimizers.base import Optimizer
+    from regframe.transforms.base import Transform
+
+METRICS: "Registry[Metric]" = Registry(
+    "metric",
+    "regframe.metrics.base:Metric",
+    {
+        "correlation": "regframe.metrics.correlation:Correlation",
+        "mattes": "regframe.metrics.mattes:Mattes",
+        "mean-squares": "regframe.metrics.mean_squares:MeanSquares",
+    },
+)
+
+TRANSFORMS: "Registry[Transform]" = Registry(
+    "transform",
+    "regframe.transforms.base:Transform",
+    {
+        "affine": "regframe.transforms.affine:Affine",
+        "rigid": "regframe.transforms.rigid:Rigid",
+        "similarity": "regframe.transforms.similarity:Similarity",
+        "translation": "regframe.transforms.translation:Translation",
+    },
+)
+
+INTERPOLATORS: "Registry[Interpolator]" = Registry(
+    "interpolator",
+    "regframe.interpolators.base:Interpolator",
+    {
+        "bspline": "regframe.interpolators.bspline:BSpline",
+        "linear": "regframe.interpolators.linear:Linear",
+        "nearest": "regframe.interpolators.nearest:Nearest",
+    },
+)
+
+OPTIMIZERS: "Registry[Optimizer]" = Registry(
+    "optimizer",
+    "regframe.optimizers.base:Optimizer",
+    {
+        "one-plus-one": "regframe.optimizers.one_plus_one:OnePlusOne",
+        "regular-step-gradient-descent": (
+            "regframe.optimizers.regular_step_gradient_descent:RegularStepGradientDescent"
+        ),
+    },
+)
+
+FILTERS: "Registry[Filter]" = Registry(
+    "filter",
+    "regframe.filters.base:Filter",
+    {
+        "clahe": "regframe.filters.clahe:Clahe",
+        "equalize": "regframe.filters.equalize:Equalize",
+        "gaussian": "regframe.filters.gaussian:Gaussian",
+        "gradient-magnitude": "regframe.filters.gradient_magnitude:GradientMagnitude",
+        "grey": "regframe.filters.grey:Grey",
+        "invert": "regframe.filters.invert:Invert",
+        "percentile-clip": "regframe.filters.percentile_clip:PercentileClip",
+        "window": "regframe.filters.window:Window",
+    },
+)
+
+KINDS: dict[str, AnyRegistry] = {
+    "metrics": METRICS,
+    "transforms": TRANSFORMS,
+    "interpolators": INTERPOLATORS,
+    "optimizers": OPTIMIZERS,
+    "filters": FILTERS,
+}

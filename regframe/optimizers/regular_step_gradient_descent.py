@@ -1,0 +1,149 @@
+"""Gradient descent whose step has a set length, halved at each turn."""
+
+import math
+from collections.abc import Generator
+from typing import Literal, Self, final
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from regframe.optimizers.base import Normals, Optimizer, Problem, Step
+from regframe.types import Params
+
+_ALIKE = 0.01
+"""ITK takes scales that differ from 1 by no more than this for ones."""
+
+
+@final
+class RegularStepGradientDescent(Optimizer):
+    """Walk downhill by steps of a set length, shortened whenever the slope turns back.
+
+    `itk::RegularStepGradientDescentOptimizerv4`, whose path it walks. ITK returns the last position,
+    though a better one may have been met; `keep` says which is reported here. The slope's size sets only
+    the direction and the stop, never the step's length.
+    """
+
+    learning_rate: float = Field(
+        1.0,
+        gt=0,
+        allow_inf_nan=False,
+        description="Length of the first step: pixels (or mm) of motion, unless the stage has own scales.",
+    )
+    minimum_step: float = Field(
+        1e-3,
+        gt=0,
+        allow_inf_nan=False,
+        description="Stop once the step is shorter than this; in the unit of the learning rate.",
+    )
+    relaxation: float = Field(
+        0.5,
+        gt=0,
+        lt=1,
+        description="Factor on the step's length whenever the slope turns back.",
+    )
+    gradient_tolerance: float = Field(
+        1e-4,
+        ge=0,
+        allow_inf_nan=False,
+        description="Stop once the slope, in metric units per pixel (or mm) of motion, is below this.",
+    )
+    estimate_learning_rate: Literal["never", "once", "each-iteration"] = Field(
+        "never",
+        description=(
+            "When to choose the learning rate anew, so that the step moves the grid by `maximum_step`; "
+            "once means at the first iteration of each level."
+        ),
+    )
+    maximum_step: float = Field(
+        1.0,
+        gt=0,
+        allow_inf_nan=False,
+        description=(
+            "Largest motion over the grid, in pixels (or mm), of a step whose learning rate is estimated. "
+            "ITK's default is the spacing of the coarsest level's grid."
+        ),
+    )
+    keep: Literal["best", "last"] = Field(
+        "best",
+        description=(
+            "Which position to report: the best one measured, never worse than the start, at the price of "
+            "one more evaluation a level; or the last one, as ITK does, which can be slightly worse."
+        ),
+    )
+
+    @model_validator(mode="after")
+    def _steps_fit(self) -> Self:
+        if self.estimate_learning_rate == "never" and self.minimum_step > self.learning_rate:
+            message = (
+                f"`minimum_step` must not exceed `learning_rate` ({self.learning_rate:g}), "
+                "or no step is made: lower it"
+            )
+            raise ValueError(message)
+        return self
+
+    def steps(self, problem: Problem, start: Params, rng: Normals) -> Generator[Step, None, str]:
+        """Yield a step an iteration.
+
+        With `keep` "best": the best position measured so far and the value there. With "last": the
+        position after the move and the value before it, as ITK's events tell. `Step.size` is the length
+        of the move.
+        """
+        factors = _factors(problem.scales)
+        here = np.array(start, dtype=np.float64)
+        value, uphill = problem.value_and_gradient(here)
+        best, lowest = here, value
+        before = np.zeros_like(here)
+        relaxation, rate = 1.0, self.learning_rate
+        estimate = self.estimate_learning_rate != "never"
+        while True:
+            slope = -uphill * factors
+            steepness = math.sqrt(_dot(slope, slope))
+            reason = self._too_flat(steepness)
+            if reason:
+                return reason
+            if _dot(slope, before * factors) < 0.0:
+                relaxation *= self.relaxation
+            if relaxation * rate < self.minimum_step:
+                return (
+                    f"the step {relaxation * rate:.3g} has fallen below minimum_step ({self.minimum_step:g})"
+                )
+            if estimate:
+                rate = self._rate(problem, here, slope, steepness)
+                estimate = self.estimate_learning_rate == "each-iteration"
+            before = slope * relaxation * rate
+            here = here + before * (1.0 / steepness)
+            if self.keep == "last":
+                # Measured only when the next step is asked for: ITK's last position never is.
+                yield Step(here, value, relaxation * rate)
+            value, uphill = problem.value_and_gradient(here)
+            if self.keep == "best":
+                if value < lowest or not math.isfinite(lowest):
+                    best, lowest = here, value
+                yield Step(best, lowest, relaxation * rate)
+
+    def _too_flat(self, steepness: float) -> str:
+        """Why to stop for the slope's size, or an empty string."""
+        if not math.isfinite(steepness):
+            return "the slope is not a finite number"
+        if steepness < self.gradient_tolerance or steepness == 0.0:
+            return (
+                f"the slope {steepness:.3g} has fallen below gradient_tolerance ({self.gradient_tolerance:g})"
+            )
+        return ""
+
+    def _rate(self, problem: Problem, here: Params, slope: Params, steepness: float) -> float:
+        """The learning rate whose unrelaxed step moves the grid by `maximum_step` at most."""
+        motion = problem.motion(here, slope / steepness)
+        return self.maximum_step / motion if motion > np.finfo(np.float64).eps else steepness
+
+
+def _factors(scales: Params) -> Params:
+    """What ITK multiplies slopes by: the inverse scales, or ones where all scales are nearly one."""
+    if np.all(np.abs(scales - 1.0) <= _ALIKE):
+        return np.ones_like(scales)
+    return 1.0 / scales
+
+
+def _dot(left: Params, right: Params) -> float:
+    """The inner product, exactly summed."""
+    return math.fsum(left * right)

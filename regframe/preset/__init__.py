@@ -1,0 +1,23 @@
+"""The whole experiment as data: what is done to two images, in which order, with which options."""
+
+from regframe.preset.files import as_toml, folder, load, names, parse, save, setting
+from regframe.preset.model import Filters, Level, Preset, Stage, dump
+from regframe.preset.paths import differences
+from regframe.preset.schema import schema
+
+__all__ = [
+    "Filters",
+    "Level",
+    "Preset",
+    "Stage",
+    "as_toml",
+    "differences",
+    "dump",
+    "folder",
+    "load",
+    "names",
+    "parse",
+    "save",
+    "schema",
+    "setting",
+]

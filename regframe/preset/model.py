@@ -1,0 +1,185 @@
+"""What a preset holds: filters, stages, levels, and which combinations are possible."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic_core import InitErrorDetails
+
+from regframe.catalog import FILTERS, INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
+from regframe.faults import fault, nearest, raised
+from regframe.filters.base import Filter
+from regframe.interpolators.base import Interpolator
+from regframe.metrics.base import Metric
+from regframe.optimizers.base import Optimizer
+from regframe.transforms.base import Transform
+
+LARGEST_SEED = 2**32 - 1
+
+Start = Literal["centres", "identity", "moments", "fields-of-view", "previous"]
+Estimator = Literal["shift", "physical-shift", "index-shift", "jacobian"]
+ESTIMATORS = ("shift", "physical-shift", "index-shift", "jacobian")
+
+
+def _check_scales(met: object) -> object:
+    """One fault for the whole field, where a union of types would give one a type."""
+    if isinstance(met, str) and met in ESTIMATORS:
+        return met
+    if isinstance(met, list | tuple) and met and all(_positive(scale) for scale in met):
+        return tuple(map(float, met))
+    near = nearest(met, ESTIMATORS) if isinstance(met, str) else ""
+    names = ", ".join(map(repr, ESTIMATORS))
+    message = f"must be {names} or a list of numbers above 0, one a parameter. Got {met!r}.{near}"
+    raise ValueError(message)
+
+
+def _positive(scale: object) -> bool:
+    return isinstance(scale, int | float) and not isinstance(scale, bool) and 0 < scale < float("inf")
+
+
+Scales = Annotated[Estimator | tuple[float, ...], BeforeValidator(_check_scales)]
+
+
+class Record(BaseModel):
+    """A frozen, closed table of a preset."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Level(Record):
+    """One resolution of a stage's pyramid."""
+
+    shrink: int = Field(1, ge=1, strict=True, description="Take every n-th grid point along each axis.")
+    smooth: float = Field(
+        0.0, ge=0, strict=True, description="Sigma of the Gaussian on both images in pixels (or mm); 0: none."
+    )
+    iterations: int = Field(300, ge=1, strict=True, description="Most iterations of the optimizer.")
+    sampling: Literal["all", "regular", "random"] = Field(
+        "all", description="Which grid points are compared: all, every n-th one jittered, or drawn at random."
+    )
+    fraction: float = Field(
+        1.0,
+        strict=True,
+        description="Share of the grid points compared when `sampling` is not `all`.",
+        json_schema_extra={"exclusiveMinimum": 0, "maximum": 1},
+    )
+
+    @field_validator("fraction", mode="before")
+    @classmethod
+    def _check_fraction(cls, met: object) -> object:
+        if isinstance(met, int | float) and not 0 < met <= 1:
+            message = f"must be in (0, 1]. Got {met!r}. Write 0.2 for one sample in five."
+            raise ValueError(message)
+        return met
+
+    @model_validator(mode="after")
+    def _check_sampling(self) -> Self:
+        if self.sampling == "all" and self.fraction < 1:
+            text = (
+                f'has no effect with sampling "all". Got {self.fraction!r}. '
+                'Write sampling = "random" or "regular", or fraction = 1.0.'
+            )
+            raise raised([fault(("fraction",), text, self.fraction)])
+        return self
+
+
+class Stage(Record):
+    """One search: a family of maps, fitted on one level after the other."""
+
+    name: str = Field("", description="What reports call the stage.")
+    start: Start = Field(
+        "centres",
+        description=(
+            "Where the search begins: image centres on each other, no motion, centres of mass, equal fields "
+            "of view (frames brought together by the ratio of their widths), or the stage before; stages "
+            "after the first continue with `previous` unless told otherwise."
+        ),
+    )
+    transform: Annotated[Transform, TRANSFORMS] = Field(
+        description="The family of maps to search in.", examples=["similarity"]
+    )
+    interpolator: Annotated[Interpolator, INTERPOLATORS] = Field(
+        description="Values between pixels.", examples=["bspline"]
+    )
+    metric: Annotated[Metric, METRICS] = Field(
+        description="How unlike the images are; lower is better.", examples=["mattes"]
+    )
+    optimizer: Annotated[Optimizer, OPTIMIZERS] = Field(
+        description="How parameters are improved.", examples=["one-plus-one"]
+    )
+    scales: Scales = Field(
+        "shift",
+        description=(
+            "The optimizer's unit: pixels (or mm) of motion (`shift`), one of ITK's estimators, or ITK's "
+            "scales as a list, one number a parameter."
+        ),
+    )
+    gradient: Literal["exact", "filtered", "central"] = Field(
+        "exact",
+        description=(
+            "Slope of the moving image: derivative of the interpolated image, ITK's smoothed gradient image "
+            "(its default), or ITK's central differences."
+        ),
+    )
+    levels: tuple[Level, ...] = Field((Level(),), min_length=1, description="Run in the order listed.")
+
+    @model_validator(mode="after")
+    def _check_layout(self) -> Self:
+        if self.metric.layout != "grid":
+            return self
+        name = METRICS.name_of(self.metric)
+        faults = [
+            fault(
+                ("levels", i, "sampling"),
+                f"the metric {name!r} needs neighbourhoods, so every grid point. "
+                f'Got {level.sampling!r}. Write "all".',
+                level.sampling,
+            )
+            for i, level in enumerate(self.levels)
+            if level.sampling != "all"
+        ]
+        if faults:
+            raise raised(faults)
+        return self
+
+
+class Filters(Record):
+    """What is done to each image before anything else, in the order listed."""
+
+    fixed: tuple[Annotated[Filter, FILTERS], ...] = Field((), description="Filters of the fixed image.")
+    moving: tuple[Annotated[Filter, FILTERS], ...] = Field((), description="Filters of the moving image.")
+
+
+class Preset(Record):
+    """A whole registration, but for the two images."""
+
+    name: str = Field("unnamed", min_length=1, description="What reports call the preset.")
+    about: str = Field("", description="Where the values come from, and when to use them.")
+    seed: int = Field(
+        1, ge=1, le=LARGEST_SEED, strict=True, description="Of all random numbers; ITK takes 0 for the clock."
+    )
+    filters: Filters = Field(Filters(), description="Each image's own preparation.")
+    stages: tuple[Stage, ...] = Field(min_length=1, description="Searches, each beginning where it is told.")
+
+    @field_validator("stages")
+    @classmethod
+    def _chain(cls, stages: tuple[Stage, ...]) -> tuple[Stage, ...]:
+        faults = list(_start_faults(stages))
+        if faults:
+            raise raised(faults)
+        return (stages[0], *(_continued(stage) for stage in stages[1:]))
+
+
+def _start_faults(stages: tuple[Stage, ...]) -> Iterator[InitErrorDetails]:
+    if stages[0].start == "previous":
+        text = 'the first stage has none before it. Got \'previous\'. Write "centres" or "fields-of-view".'
+        yield fault((0, "start"), text, "previous")
+
+
+def _continued(stage: Stage) -> Stage:
+    return stage if "start" in stage.model_fields_set else stage.model_copy(update={"start": "previous"})
+
+
+def dump(preset: Preset) -> dict[str, Any]:
+    """The whole preset as tables, lists and values, every default written out."""
+    return preset.model_dump(mode="json")
