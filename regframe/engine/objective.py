@@ -31,16 +31,15 @@ class Objective:
 
     def values(self, batch: NDArray[np.float64]) -> Values:
         """Metric at each row of a (b, p) batch, infinite where nothing overlaps."""
-        return np.array([self._value(self.pairs(self.coordinates.params(row))) for row in batch])
+        metric, place = self.stage.metric, self.coordinates.params
+        return np.array([self._counted(metric.value(self.pairs(place(row)))) for row in batch])
 
     def value_and_gradient(self, at: Params) -> tuple[float, Params]:
         """Metric and its slope, by the metric's derivative or by differences."""
         params = self.coordinates.params(at)
-        pairs = self.pairs(params)
-        value = self._value(pairs)
-        if not np.isfinite(value):
+        value, forces = self.stage.metric.value_and_derivative(self.pairs(params))
+        if self._counted(value) == float("inf"):
             raise NoOverlapError(self._lost("on the way"))
-        forces = self.stage.metric.derivative(pairs)
         if forces is None:
             return value, self._differences(at)
         return value, self._slopes.pull(params, forces, self.frame) / self.coordinates.unit
@@ -68,8 +67,7 @@ class Objective:
         shape = scene.samples.shape if scene.samples.indices is None else None
         return Pairs(scene.fixed, moving, weight, scene.fixed_range, scene.moving_range, shape, prepared)
 
-    def _value(self, pairs: Pairs) -> float:
-        value = self.stage.metric.value(pairs)
+    def _counted(self, value: float) -> float:
         if not np.isfinite(value):
             value = float("inf")
         if self.evaluations == 0:

@@ -11,6 +11,7 @@ from regframe.types import Bins, Indices, Matrix, Values, Volume
 
 U = np.uint64
 RUN = 256
+CHUNK = 64
 
 
 @kernel
@@ -103,44 +104,66 @@ def resample(
 
 
 @kernel
-def _blend(flat: Values, o: int, sx: int, sy: int, tx: float, ty: float) -> float:
-    a, c = flat[o], flat[o + sy]
-    low = a + (flat[o + sx] - a) * tx
-    return low + ((c + (flat[o + sy + sx] - c) * tx) - low) * ty
+def _locate(
+    row: int, left: int, count: int, grid: Bins, shape: Bins, matrix: Matrix, t: Matrix, base: Bins
+) -> None:
+    """First corner's place in memory and the way from it, z y x; negative where outside or at a border."""
+    z, y = np.float64(row // grid[1]), np.float64(row % grid[1])
+    tz, ty, tx = t[0], t[1], t[2]
+    mz, my, mx = matrix[0, 2], matrix[1, 2], matrix[2, 2]
+    z1, y1, x1 = matrix[0, 1] * y, matrix[1, 1] * y, matrix[2, 1] * y
+    z2, y2, x2 = matrix[0, 0] * z, matrix[1, 0] * z, matrix[2, 0] * z
+    z3, y3, x3 = matrix[0, 3], matrix[1, 3], matrix[2, 3]
+    last_z, last_y, last_x = np.float64(shape[0] - 1), np.float64(shape[1] - 1), np.float64(shape[2] - 1)
+    if shape[0] == 1:
+        last_z = 0.5
+    plane, width = shape[1] * shape[2], shape[2]
+    for k in range(U(count)):
+        x = np.float64(left) + np.float64(k)
+        cx, cy, cz = ((mx * x + x1) + x2) + x3, ((my * x + y1) + y2) + y3, ((mz * x + z1) + z2) + z3
+        inner = (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y) & (cz >= 0.0) & (cz < last_z)
+        cx, cy, cz = (cx if inner else 0.0), (cy if inner else 0.0), (cz if inner else 0.0)
+        fx, fy, fz = np.floor(cx), np.floor(cy), np.floor(cz)
+        tx[k], ty[k], tz[k] = cx - fx, cy - fy, cz - fz
+        place = np.int64(np.int32(fz)) * plane + np.int64(np.int32(fy)) * width + np.int64(np.int32(fx))
+        base[k] = place if inner else -1
+
+
+@kernel
+def _blend(flat: Values, o: int, width: int, tx: float, ty: float) -> float:
+    a, c = flat[o], flat[o + width]
+    low = a + (flat[o + U(1)] - a) * tx
+    return low + ((c + (flat[o + width + U(1)] - c) * tx) - low) * ty
 
 
 @kernel
 def resample_grid(
     first: int, last: int, volume: Volume, grid: Bins, matrix: Matrix, values: Values, weights: Values
 ) -> None:
-    """`resample` of order 1 for whole grids, the same bits: the case worth unrolling."""
-    flat = volume.ravel()
-    depth, height, width = volume.shape
-    plane, flat_image = height * width, volume.shape[0] == 1
-    mx, my, mz = matrix[2], matrix[1], matrix[0]
+    """`resample` of order 1 for whole grids, the same bits; one loop finds places and vectorises."""
+    flat, shape = volume.ravel(), np.array(volume.shape)
+    plane, width = U(shape[1] * shape[2]), U(shape[2])
+    t, base, at, c = np.empty((3, CHUNK)), np.empty(CHUNK, np.int64), np.empty(3), np.empty(3)
+    none = np.empty((0, 3))
     for row in range(first, last):
-        z, y = np.float64(row // grid[1]), np.float64(row % grid[1])
-        x1, x2, y1, y2, z1, z2 = mx[1] * y, mx[0] * z, my[1] * y, my[0] * z, mz[1] * y, mz[0] * z
-        out = U(row * grid[2])
-        for i in range(U(grid[2])):
-            x = np.float64(i)
-            cx, cy = ((mx[2] * x + x1) + x2) + mx[3], ((my[2] * x + y1) + y2) + my[3]
-            cz = ((mz[2] * x + z1) + z2) + mz[3]
-            inside = cx >= -0.5 and cx < width - 0.5 and cy >= -0.5 and cy < height - 0.5
-            if not (inside and cz >= -0.5 and cz < depth - 0.5):
-                values[out + i] = 0.0
-                weights[out + i] = 0.0
-                continue
-            cx, cy, cz = max(cx, 0.0), max(cy, 0.0), max(cz, 0.0)
-            ix, iy, iz = int(cx), int(cy), int(cz)
-            sx, sy = U(ix < width - 1), U(width if iy < height - 1 else 0)
-            o = U(iz * plane + iy * width + ix)
-            value = _blend(flat, o, sx, sy, cx - ix, cy - iy)
-            if not flat_image:
-                o += U(plane if iz < depth - 1 else 0)
-                value += (_blend(flat, o, sx, sy, cx - ix, cy - iy) - value) * (cz - iz)
-            values[out + i] = value
-            weights[out + i] = 1.0
+        for left in range(0, grid[2], CHUNK):
+            count = min(CHUNK, grid[2] - left)
+            _locate(row, left, count, grid, shape, matrix, t, base)
+            out = U(row * grid[2] + left)
+            for k in range(U(count)):
+                weight = 1.0
+                if base[k] >= 0:
+                    o, tx, ty = U(base[k]), t[2, k], t[1, k]
+                    value = _blend(flat, o, width, tx, ty)
+                    if shape[0] > 1:
+                        value += (_blend(flat, o + plane, width, tx, ty) - value) * t[0, k]
+                else:
+                    _start(row, row * grid[2] + left + np.int64(k), grid, none, at)
+                    _move(at, matrix, c)
+                    weight = 1.0 if _inside(c, shape) else 0.0
+                    value = _linear(flat, shape, c) if weight > 0.0 else 0.0
+                values[out + k] = value
+                weights[out + k] = weight
 
 
 @kernel

@@ -1,7 +1,8 @@
 """Cubic B-splines over whole 2-D grids: the case that decides how long a registration takes.
 
 `resample` gives the numbers of `spline.resample` for order 3, to the last bit. Each row is walked in
-chunks: one loop, which vectorises, finds positions and weights; a second one sums the taps.
+chunks: one loop, which the compiler vectorises, finds taps and weights; a second one sums the taps.
+`matrix` is (2, 3), y before x.
 """
 
 import numpy as np
@@ -11,61 +12,52 @@ from regframe.types import Bins, Matrix, Values, Volume
 
 U = np.uint64
 CHUNK = 64
-OUTSIDE, BORDER, INTERIOR = 0, 1, 2
 SIXTH = 1.0 / 6.0
+ELSEWHERE = -1.0  # in place of a tap: outside the image, or so near its border that taps are mirrored
 
-Work = tuple[Matrix, Bins, Bins, Bins]  # offsets, taps, places of one chunk; the image's size
-
-
-@kernel
-def _locate(
-    row: int, left: int, count: int, size: Bins, matrix: Matrix, w: Matrix, taps: Bins, place: Bins
-) -> None:
-    """Offsets from the second tap (x, y), the first tap (row, column, memory), and where it lies."""
-    height, width = size[0], size[1]
-    mxx, myx = matrix[1, 1], matrix[0, 1]
-    shift_x, shift_y, mx0, my0 = matrix[1, 0] * row, matrix[0, 0] * row, matrix[1, 2], matrix[0, 2]
-    tx, ty = w[0], w[1]
-    for k in range(U(count)):
-        x = np.float64(left) + np.float64(k)
-        cx = (mxx * x + shift_x) + mx0
-        cy = (myx * x + shift_y) + my0
-        inside = (cx >= -0.5) & (cx < width - 0.5) & (cy >= -0.5) & (cy < height - 0.5)
-        cx = cx if inside else 1.0
-        cy = cy if inside else 1.0
-        floor_x = np.floor(np.float64(np.float32(cx)))
-        floor_y = np.floor(np.float64(np.float32(cy)))
-        interior = (floor_x >= 1.0) & (floor_x < width - 2.0) & (floor_y >= 1.0) & (floor_y < height - 2.0)
-        place[k] = (INTERIOR if interior else BORDER) if inside else OUTSIDE
-        tx[k] = cx - floor_x
-        ty[k] = cy - floor_y
-        taps[0, k] = np.int64(np.int32(floor_y) - 1)
-        taps[1, k] = np.int64(np.int32(floor_x) - 1)
-        taps[2, k] = taps[0, k] * width + taps[1, k]
+Four = tuple[float, float, float, float]
 
 
 @kernel
-def _row(flat: Values, o: int, x: tuple[float, float, float, float], y: float, total: float) -> float:
-    total += x[0] * y * flat[o]
-    total += x[1] * y * flat[o + U(1)]
-    total += x[2] * y * flat[o + U(2)]
-    total += x[3] * y * flat[o + U(3)]
-    return total
+def _locate(row: int, left: int, size: Bins, matrix: Matrix, t: Matrix, base: Values) -> None:
+    """A chunk's first taps, and the ways t from the second ones (x, then y)."""
+    height, width = np.float64(size[0]), np.float64(size[1])
+    mxx, myx, mx0, my0 = matrix[1, 1], matrix[0, 1], matrix[1, 2], matrix[0, 2]
+    shift_x, shift_y = matrix[1, 0] * row, matrix[0, 0] * row
+    tx, ty = t[0], t[1]
+    for k in range(CHUNK):
+        x = np.float64(left + k)
+        cx, cy = (mxx * x + shift_x) + mx0, (myx * x + shift_y) + my0
+        # ITK rounds a coordinate to float32 before it takes the floor.
+        floor_x, floor_y = np.floor(np.float64(np.float32(cx))), np.floor(np.float64(np.float32(cy)))
+        inner_x = (floor_x >= 1.0) & (floor_x < width - 2.0)
+        inner_y = (floor_y >= 1.0) & (floor_y < height - 2.0)
+        tx[k], ty[k] = cx - floor_x, cy - floor_y
+        first = (floor_y - 1.0) * width + (floor_x - 1.0)
+        base[k] = first if inner_x & inner_y else ELSEWHERE
 
 
 @kernel
-def _cubic(t: float) -> tuple[float, float, float, float]:
-    w3 = SIXTH * t * t * t
-    w0 = SIXTH + 0.5 * t * (t - 1.0) - w3
-    w2 = t + w0 - 2.0 * w3
-    return w0, 1.0 - w0 - w2 - w3, w2, w3
+def _weigh(t: Values, w: Matrix) -> None:
+    """Cubic weights of a chunk, (4, CHUNK), in ITK's order of operations."""
+    first, second, third, fourth = w[0], w[1], w[2], w[3]
+    for k in range(CHUNK):
+        u = t[k]
+        w3 = SIXTH * u * u * u
+        w0 = SIXTH + 0.5 * u * (u - 1.0) - w3
+        w2 = u + w0 - 2.0 * w3
+        first[k], second[k], third[k], fourth[k] = w0, 1.0 - w0 - w2 - w3, w2, w3
 
 
 @kernel
-def _cubic_slope(t: float) -> tuple[float, float, float, float]:
-    before, after = 0.5 * (1.0 - t) * (1.0 - t), 0.5 * t * t
-    middle = 0.75 - (t - 0.5) * (t - 0.5)
-    return -before, before - middle, middle - after, after
+def _tilt(t: Values, w: Matrix) -> None:
+    """Derivatives of `_weigh`."""
+    first, second, third, fourth = w[0], w[1], w[2], w[3]
+    for k in range(CHUNK):
+        u = t[k]
+        before, after = 0.5 * (1.0 - u) * (1.0 - u), 0.5 * u * u
+        middle = 0.75 - (u - 0.5) * (u - 0.5)
+        first[k], second[k], third[k], fourth[k] = -before, before - middle, middle - after, after
 
 
 @kernel
@@ -78,19 +70,35 @@ def _mirrored(i: int, n: int) -> int:
 
 
 @kernel
-def _at_border(
-    coefficients: Volume,
-    tap: Bins,
-    x: tuple[float, float, float, float],
-    y: tuple[float, float, float, float],
-) -> float:
+def _inside(row: int, column: int, size: Bins, matrix: Matrix) -> bool:
+    x, y = np.float64(column), np.float64(row)
+    cx = (matrix[1, 1] * x + matrix[1, 0] * y) + matrix[1, 2]
+    cy = (matrix[0, 1] * x + matrix[0, 0] * y) + matrix[0, 2]
+    return cx >= -0.5 and cx < size[1] - 0.5 and cy >= -0.5 and cy < size[0] - 0.5
+
+
+@kernel
+def _at_border(row: int, column: int, coefficients: Volume, matrix: Matrix, x: Four, y: Four) -> float:
     """The sum over 16 taps, mirrored at the ends of the image."""
     height, width = coefficients.shape
-    top, left = tap[0], tap[1]
+    at, down = np.float64(column), np.float64(row)
+    cx = (matrix[1, 1] * at + matrix[1, 0] * down) + matrix[1, 2]
+    cy = (matrix[0, 1] * at + matrix[0, 0] * down) + matrix[0, 2]
+    left = int(np.floor(np.float64(np.float32(cx)))) - 1
+    top = int(np.floor(np.float64(np.float32(cy)))) - 1
     total = 0.0
     for j in range(4):
         for i in range(4):
             total += x[i] * y[j] * coefficients[_mirrored(top + j, height), _mirrored(left + i, width)]
+    return total
+
+
+@kernel
+def _taps(flat: Values, o: int, x: Four, y: float, total: float) -> float:
+    total += x[0] * y * flat[o]
+    total += x[1] * y * flat[o + U(1)]
+    total += x[2] * y * flat[o + U(2)]
+    total += x[3] * y * flat[o + U(3)]
     return total
 
 
@@ -104,71 +112,72 @@ def resample(
     values: Values,
     weights: Values,
 ) -> None:
-    """Values and inside weights of grid rows `first` to `last`; `matrix` is (2, 3), y before x."""
-    flat, stride = coefficients.ravel(), U(coefficients.shape[1])
-    size = np.array(coefficients.shape)
-    w, taps, place = np.empty((2, CHUNK)), np.empty((3, CHUNK), np.int64), np.empty(CHUNK, np.int64)
+    """Values and inside weights of grid rows `first` to `last`."""
+    flat, size, stride = coefficients.ravel(), np.array(coefficients.shape), U(coefficients.shape[1])
+    t, wx, wy, base = np.empty((2, CHUNK)), np.empty((4, CHUNK)), np.empty((4, CHUNK)), np.empty(CHUNK)
     for row in range(first, last):
         for left in range(0, grid_width, CHUNK):
-            count = min(CHUNK, grid_width - left)
-            _locate(row, left, count, size, matrix, w, taps, place)
+            _locate(row, left, size, matrix, t, base)
+            _weigh(t[0], wx)
+            _weigh(t[1], wy)
             out = U(row * grid_width + left)
-            for k in range(U(count)):
-                total = 0.0
-                if place[k] != OUTSIDE:
-                    x, y = _cubic(w[0, k]), _cubic(w[1, k])
-                    if place[k] == INTERIOR:
-                        o = U(taps[2, k])
-                        total = _row(flat, o, x, y[0], total)
-                        total = _row(flat, o + stride, x, y[1], total)
-                        total = _row(flat, o + stride + stride, x, y[2], total)
-                        total = _row(flat, o + stride + stride + stride, x, y[3], total)
-                    else:
-                        total = _at_border(coefficients, taps[:, k], x, y)
+            for k in range(U(min(CHUNK, grid_width - left))):
+                x, weight, total = (wx[0, k], wx[1, k], wx[2, k], wx[3, k]), 1.0, 0.0
+                if base[k] >= 0.0:
+                    o = U(np.int64(base[k]))
+                    total = _taps(flat, o, x, wy[0, k], total)
+                    total = _taps(flat, o + stride, x, wy[1, k], total)
+                    total = _taps(flat, o + stride + stride, x, wy[2, k], total)
+                    total = _taps(flat, o + stride + stride + stride, x, wy[3, k], total)
+                elif _inside(row, left + np.int64(k), size, matrix):
+                    y = (wy[0, k], wy[1, k], wy[2, k], wy[3, k])
+                    total = _at_border(row, left + np.int64(k), coefficients, matrix, x, y)
+                else:
+                    weight = 0.0
                 values[out + k] = total
-                weights[out + k] = 1.0 if place[k] != OUTSIDE else 0.0
+                weights[out + k] = weight
 
 
 @kernel
-def _slope(flat: Values, o: int, stride: int, t_x: float, t_y: float) -> tuple[float, float]:
-    """Slopes along y and x over 16 taps inside the image."""
-    x, y, dx, dy = _cubic(t_x), _cubic(t_y), _cubic_slope(t_x), _cubic_slope(t_y)
-    slope_y = slope_x = 0.0
-    for j in range(4):
-        a, b, c, d = flat[o], flat[o + U(1)], flat[o + U(2)], flat[o + U(3)]
-        slope_y += dy[j] * (x[0] * a + x[1] * b + x[2] * c + x[3] * d)
-        slope_x += y[j] * (dx[0] * a + dx[1] * b + dx[2] * c + dx[3] * d)
-        o += stride
-    return slope_y, slope_x
+def _slopes(
+    flat: Values, o: int, x: Four, dx: Four, y: float, dy: float, slopes: tuple[float, float]
+) -> tuple[float, float]:
+    """One row of taps added to the slopes along y and x."""
+    a, b, c, d = flat[o], flat[o + U(1)], flat[o + U(2)], flat[o + U(3)]
+    along = (x[0] * a + x[1] * b) + (x[2] * c + x[3] * d)
+    across = (dx[0] * a + dx[1] * b) + (dx[2] * c + dx[3] * d)
+    return slopes[0] + dy * along, slopes[1] + y * across
 
 
 @kernel
-def _pull_row(
-    row: int, coefficients: Volume, width: int, matrix: Matrix, forces: Values, work: Work
+def _pull_chunk(
+    row: int, left: int, coefficients: Volume, matrix: Matrix, forces: Values, w: Volume, base: Values
 ) -> tuple[float, float, float, float]:
-    """Sums over a grid row: force * slope along y and x, and both times the column."""
-    flat, stride = coefficients.ravel(), U(coefficients.shape[1])
-    w, taps, place, size = work
+    """Sums over a chunk: force * slope along y and x, and both times the column."""
+    flat, stride, size = coefficients.ravel(), U(coefficients.shape[1]), np.array(coefficients.shape)
+    wx, wy, vx, vy = w[0], w[1], w[2], w[3]
     gy = gx = gyx = gxx = 0.0
-    for left in range(0, width, CHUNK):
-        count = min(CHUNK, width - left)
-        _locate(row, left, count, size, matrix, w, taps, place)
-        out = U(row * width + left)
-        for k in range(U(count)):
-            force = forces[out + k]
-            if place[k] == OUTSIDE or force == 0.0:
-                continue
-            if place[k] == INTERIOR:
-                slope_y, slope_x = _slope(flat, U(taps[2, k]), stride, w[0, k], w[1, k])
-            else:
-                x, y = _cubic(w[0, k]), _cubic(w[1, k])
-                slope_y = _at_border(coefficients, taps[:, k], x, _cubic_slope(w[1, k]))
-                slope_x = _at_border(coefficients, taps[:, k], _cubic_slope(w[0, k]), y)
-            column = np.float64(left) + np.float64(k)
-            gy += force * slope_y
-            gx += force * slope_x
-            gyx += force * slope_y * column
-            gxx += force * slope_x * column
+    for k in range(U(len(forces))):
+        if forces[k] == 0.0:
+            continue
+        x, dx = (wx[0, k], wx[1, k], wx[2, k], wx[3, k]), (vx[0, k], vx[1, k], vx[2, k], vx[3, k])
+        y, dy = (wy[0, k], wy[1, k], wy[2, k], wy[3, k]), (vy[0, k], vy[1, k], vy[2, k], vy[3, k])
+        if base[k] >= 0.0:
+            o = U(np.int64(base[k]))
+            slopes = _slopes(flat, o, x, dx, y[0], dy[0], (0.0, 0.0))
+            slopes = _slopes(flat, o + stride, x, dx, y[1], dy[1], slopes)
+            slopes = _slopes(flat, o + stride + stride, x, dx, y[2], dy[2], slopes)
+            slopes = _slopes(flat, o + stride + stride + stride, x, dx, y[3], dy[3], slopes)
+        elif _inside(row, left + np.int64(k), size, matrix):
+            slopes = (
+                _at_border(row, left + np.int64(k), coefficients, matrix, x, dy),
+                _at_border(row, left + np.int64(k), coefficients, matrix, dx, y),
+            )
+        else:
+            continue
+        column = np.float64(left) + np.float64(k)
+        down, right = forces[k] * slopes[0], forces[k] * slopes[1]
+        gy, gx, gyx, gxx = gy + down, gx + right, gyx + down * column, gxx + right * column
     return gy, gx, gyx, gxx
 
 
@@ -183,15 +192,20 @@ def pull_back(
     partial: Volume,
 ) -> None:
     """Per block of rows: sum of forces * slope (x) [y, x, 1], into (blocks, 2, 3)."""
-    size = np.array(coefficients.shape)
-    work = (np.empty((2, CHUNK)), np.empty((3, CHUNK), np.int64), np.empty(CHUNK, np.int64), size)
-    height, width = grid[0], grid[1]
+    size, height, width = np.array(coefficients.shape), grid[0], grid[1]
+    t, w, base = np.empty((2, CHUNK)), np.empty((4, 4, CHUNK)), np.empty(CHUNK)
     for block in range(first, last):
         for row in range(height * block // len(partial), height * (block + 1) // len(partial)):
-            gy, gx, gyx, gxx = _pull_row(row, coefficients, width, matrix, forces, work)
-            partial[block, 0, 0] += gy * row
-            partial[block, 0, 1] += gyx
-            partial[block, 0, 2] += gy
-            partial[block, 1, 0] += gx * row
-            partial[block, 1, 1] += gxx
-            partial[block, 1, 2] += gx
+            for left in range(0, width, CHUNK):
+                _locate(row, left, size, matrix, t, base)
+                for axis in range(2):
+                    _weigh(t[axis], w[axis])
+                    _tilt(t[axis], w[2 + axis])
+                felt = forces[row * width + left : row * width + min(left + CHUNK, width)]
+                gy, gx, gyx, gxx = _pull_chunk(row, left, coefficients, matrix, felt, w, base)
+                partial[block, 0, 0] += gy * row
+                partial[block, 0, 1] += gyx
+                partial[block, 0, 2] += gy
+                partial[block, 1, 0] += gx * row
+                partial[block, 1, 1] += gxx
+                partial[block, 1, 2] += gx

@@ -40,9 +40,14 @@ class Metric(Component):
 
     A metric is a function of paired intensities: it never sees an image, a transform, an interpolator,
     a mask, a level or a thread. One method is enough; the hooks add speed.
+
+    `layout` "grid" asks for whole grids in place of loose samples. `suits` lists the relations between the
+    two images' intensities under which aligned images score best: "mono" (equal), "inverted",
+    "multimodal" (any); the conformance suite holds a metric to what it lists.
     """
 
     layout: ClassVar[Literal["points", "grid"]] = "points"
+    suits: ClassVar[tuple[str, ...]] = ("mono",)
 
     @abstractmethod
     def value(self, pairs: Pairs) -> float:
@@ -54,6 +59,10 @@ class Metric(Component):
         The derivative is taken at fixed weights: a sample that leaves the image is a jump, not a slope.
         """
         return None
+
+    def value_and_derivative(self, pairs: Pairs) -> tuple[float, Values | None]:
+        """Hook: both at once, where they share work."""
+        return self.value(pairs), self.derivative(pairs)
 
     def prepare(self, pairs: Pairs) -> object:
         """Hook: anything worth computing once a level; arrives in every later call as `pairs.prepared`.

@@ -8,7 +8,7 @@ from pydantic import Field
 from regframe.kernels import parzen
 from regframe.kernels.jit import BLOCKS, share
 from regframe.metrics.base import Metric, Pairs
-from regframe.types import Bins, Matrix, Values
+from regframe.types import Bins, Mask, Matrix, Values
 
 EPSILON = float(np.finfo(np.float64).eps)
 PADDING = 2  # bins left free at each end, so that the cubic window always fits
@@ -58,16 +58,14 @@ class Mattes(Metric):
         its sums by row and column (equations 5 to 8 of the paper):
         value = - sum P(k, l) ln( P(k, l) / (pf(k) pm(l)) ).
         """
-        joint, _ = self._joint(pairs)
-        fixed, moving = joint.sum(axis=1, keepdims=True), joint.sum(axis=0)
-        counts = (joint > EPSILON) & (fixed > EPSILON) & (moving > EPSILON)
-        if not counts.any():
-            return float("inf")
-        independent = np.broadcast_to(fixed, joint.shape)[counts] * np.broadcast_to(moving, joint.shape)[counts]
-        return -float(np.sum(joint[counts] * np.log(joint[counts] / independent)))
+        return _negative_information(self._joint(pairs)[0])
 
     def derivative(self, pairs: Pairs) -> Values:
-        """Slope of the value by each moving intensity.
+        """Slope of the value by each moving intensity."""
+        return self.value_and_derivative(pairs)[1]
+
+    def value_and_derivative(self, pairs: Pairs) -> tuple[float, Values]:
+        """The value, and its slope by each moving intensity, from one histogram.
 
         The marginals' terms cancel, so only the window's own slope remains (Thevenaz and Unser,
         "Optimization of mutual information for multiresolution image registration", IEEE Transactions on
@@ -75,10 +73,8 @@ class Mattes(Metric):
         all samples, d value / d m = - w / (h W) sum over l of (d window(l) / d t) ln( P(k, l) / pm(l) ).
         """
         joint, mass = self._joint(pairs)
-        axes, slopes = self._axes(pairs), np.zeros_like(pairs.moving)
-        fixed, moving = joint.sum(axis=1, keepdims=True), joint.sum(axis=0)
-        counts = (joint > EPSILON) & (fixed > EPSILON) & (moving > EPSILON)
-        log = np.log(np.divide(joint, moving, out=np.ones_like(joint), where=counts))
+        axes, slopes = self._axes(pairs), np.empty_like(pairs.moving)
+        log = np.log(np.divide(joint, joint.sum(axis=0), out=np.ones_like(joint), where=_counts(joint)))
         # Four bins share a sample; their windows' slopes are polynomials in t (1, t, t^2).
         first, second, third, fourth = (np.roll(log, shift, axis=1) for shift in (1, 0, -1, -2))
         table = np.stack(
@@ -91,7 +87,7 @@ class Mattes(Metric):
         ).reshape(-1, 3)
         table *= -axes.moving[2] / mass if mass else 0.0
         share(parzen.slopes, len(slopes), pairs.moving, pairs.weight, *axes, self.bins, table, slopes)
-        return slopes
+        return _negative_information(joint), slopes
 
     def _axes(self, pairs: Pairs) -> Axes:
         return pairs.prepared if isinstance(pairs.prepared, Axes) else self.prepare(pairs)
@@ -104,3 +100,17 @@ class Mattes(Metric):
         parzen.histogram(partial, self.bins, joint)
         mass = float(joint.sum())
         return joint / (mass or 1.0), mass
+
+
+def _counts(joint: Matrix) -> Mask:
+    """Cells that ITK counts: it, its row and its column hold more than rounding noise."""
+    fixed, moving = joint.sum(axis=1, keepdims=True), joint.sum(axis=0)
+    return np.asarray((joint > EPSILON) & (fixed > EPSILON) & (moving > EPSILON))
+
+
+def _negative_information(joint: Matrix) -> float:
+    counts = _counts(joint)
+    if not counts.any():
+        return float("inf")
+    independent = np.outer(joint.sum(axis=1), joint.sum(axis=0))[counts]
+    return -float(np.sum(joint[counts] * np.log(joint[counts] / independent)))

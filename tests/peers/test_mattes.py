@@ -45,7 +45,9 @@ def agree(fixed: Image, moving: Image, warp: Warp, interpolator: str) -> None:
 def test_value_of_whole_grey_levels_in_the_plane(params, interpolator, dtype):
     fixed, moving = peer.pair(dtype=dtype)
 
-    agree(fixed, moving, Warp(TRANSFORMS.build("similarity"), np.array(params), peer.frame(fixed)), interpolator)
+    agree(
+        fixed, moving, Warp(TRANSFORMS.build("similarity"), np.array(params), peer.frame(fixed)), interpolator
+    )
 
 
 @pytest.mark.parametrize("interpolator", ["linear", "bspline3"])
@@ -62,7 +64,9 @@ def test_value_on_oblique_grids(interpolator, spacing):
 @pytest.mark.parametrize("interpolator", ["linear", "bspline3"])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_value_in_space(interpolator, dtype):
-    grid = Grid((14, 22, 26), (1.0, 1.2, 2.0), (0.0, 5.0, -3.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    grid = Grid(
+        (14, 22, 26), (1.0, 1.2, 2.0), (0.0, 5.0, -3.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    )
     fixed, moving = peer.pair((14, 22, 26), dtype, grid=grid)
     matrix = np.eye(3) + 0.03 * np.random.default_rng(3).normal(size=(3, 3))
 

@@ -44,9 +44,9 @@ def test_derivative_with_the_gradients_of_itk(metric, gradient, transform):
     getattr(theirs, METRICS[metric])()
     theirs.SetMetricUseMovingImageGradientFilter(gradient == "filtered")
 
-    _, ours = objective(
-        fixed, moving, warp, "bspline3", metric=metric, gradient=gradient
-    ).value_and_gradient(params)
+    _, ours = objective(fixed, moving, warp, "bspline3", metric=metric, gradient=gradient).value_and_gradient(
+        params
+    )
 
     rate = 1e-4 if metric == "mean-squares" else 0.1
     expected = peer.derivative(theirs, fixed, moving, warp, rate)

@@ -119,7 +119,9 @@ def test_sparse_samples(sampling, optimizer, masked):
 
 
 def test_evolution_in_space():
-    grid = Grid((20, 24, 28), (1.0, 1.0, 1.5), (0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    grid = Grid(
+        (20, 24, 28), (1.0, 1.0, 1.5), (0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    )
     fixed, moving = peer.pair((20, 24, 28), grid=grid)
     levels = [{"shrink": 2, "smooth": 1.0, "iterations": 20}, {"iterations": 20}]
     scales = [100.0] * 9 + [1.0] * 3

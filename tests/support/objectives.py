@@ -14,7 +14,13 @@ SPLINES = {f"bspline{order}": {"type": "bspline", "order": order} for order in r
 
 
 def objective(
-    fixed: Image, moving: Image, warp: Warp, interpolator: str, *, metric: object = "mattes", gradient: str = "exact"
+    fixed: Image,
+    moving: Image,
+    warp: Warp,
+    interpolator: str,
+    *,
+    metric: object = "mattes",
+    gradient: str = "exact",
 ) -> Objective:
     stage = Stage(
         transform=warp.transform,

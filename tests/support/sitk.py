@@ -104,7 +104,11 @@ def textured(shape: tuple[int, ...], seed: int, *, levels: int = 0) -> np.ndarra
 
 
 def pair(
-    shape: tuple[int, ...] = (48, 60), dtype: type = np.float32, *, levels: int = 256, grid: Grid | None = None
+    shape: tuple[int, ...] = (48, 60),
+    dtype: type = np.float32,
+    *,
+    levels: int = 256,
+    grid: Grid | None = None,
 ) -> tuple[Image, Image]:
     """Two related images with whole grey levels."""
     fixed = textured(shape, 1, levels=levels)

@@ -18,7 +18,9 @@ class CorrelationRatio(Metric):
     def value(self, pairs: Pairs) -> float:
         low, high = pairs.fixed_range
         label = np.clip((pairs.fixed - low) / (high - low) * self.bins, 0, self.bins - 1).astype(int)
-        mass, first, second = (np.bincount(label, pairs.weight * pairs.moving**k, self.bins) for k in range(3))
+        mass, first, second = (
+            np.bincount(label, pairs.weight * pairs.moving**k, self.bins) for k in range(3)
+        )
         within = second.sum() - (first**2 / np.maximum(mass, 1e-12)).sum()
         return float(within / (second.sum() - first.sum() ** 2 / mass.sum()))
 
