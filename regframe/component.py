@@ -12,4 +12,7 @@ class Component(BaseModel, ABC):
     remembered during a run lives in local variables of the engine or of a generator.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=False)
+    # "constants": an infinite option is dumped as infinity, not as None.
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", use_attribute_docstrings=False, ser_json_inf_nan="constants"
+    )

@@ -1,7 +1,7 @@
 """Images: values on a grid, with an optional mask."""
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +83,10 @@ class Image:
     def with_values(self, values: Pixels) -> "Image":
         """The same image with other values."""
         return replace(self, values=values)
+
+    def with_rounded(self, values: NDArray[Any]) -> "Image":
+        """The same image with other values, rounded to the float type that it has."""
+        return replace(self, values=cast("Pixels", np.ascontiguousarray(values, self.values.dtype)))
 
     def with_mask(self, mask: Mask | None) -> "Image":
         """The same image with another mask."""

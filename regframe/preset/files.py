@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from regframe.errors import PresetError
 from regframe.faults import lines, nearest, shown
+from regframe.io import atomic, refuse_existing
 from regframe.preset.model import Preset, dump
 from regframe.preset.paths import change
 
@@ -100,8 +101,6 @@ def save(preset: Preset, path: str | Path, *, force: bool = False) -> None:
     OutputError
         The file exists and `force` is off, or its folder cannot be written.
     """
-    from regframe.io import atomic, refuse_existing
-
     target = Path(path)
     text = as_toml(preset)
     refuse_existing(target, force)

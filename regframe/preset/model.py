@@ -43,7 +43,7 @@ Scales = Annotated[Estimator | tuple[float, ...], BeforeValidator(_check_scales)
 class Record(BaseModel):
     """A frozen, closed table of a preset."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, ser_json_inf_nan="constants")
 
 
 class Level(Record):

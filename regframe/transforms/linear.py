@@ -49,9 +49,8 @@ class Linear(Transform):
         """Moving points of (n, dim) fixed points, physical, x first."""
         return self.as_affine(params, frame)(points)
 
-    @final
     def as_affine(self, params: Params, frame: Frame) -> AffineMap:
-        """The map as a matrix and offset, physical."""
+        """Hook: the map as a matrix and offset, physical; by default the parts about the centre."""
         return about(*self.parts(params, frame.dim), frame.centre)
 
     @final

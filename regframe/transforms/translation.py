@@ -4,7 +4,7 @@ from typing import final
 
 import numpy as np
 
-from regframe.geometry import Frame
+from regframe.geometry import AffineMap, Frame
 from regframe.transforms.linear import Linear
 from regframe.types import Matrix, Params
 
@@ -24,6 +24,10 @@ class Translation(Linear):
     def parts(self, params: Params, dim: int) -> tuple[Matrix, Params]:
         """Identity matrix and the shift."""
         return np.eye(dim), params
+
+    def as_affine(self, params: Params, frame: Frame) -> AffineMap:
+        """The shift itself: going to the centre and back, as the other families do, would cost a bit."""
+        return AffineMap(np.eye(frame.dim), params.copy())
 
     def slopes(self, params: Params, dim: int) -> tuple[Matrix, Matrix]:
         """Unit shifts."""

@@ -11,11 +11,11 @@ from time import perf_counter
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from support import sitk as peer
-from support.objectives import objective
 
 from regframe.catalog import TRANSFORMS
 from regframe.transforms.warp import Warp
+from support import sitk as peer
+from support.objectives import objective
 
 pytestmark = pytest.mark.slow
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from support import sitk as peer
-from support.objectives import SPLINES
 
 from regframe.catalog import INTERPOLATORS
 from regframe.interpolators.base import Samples
+from support import sitk as peer
+from support.objectives import SPLINES
 
 EXACT = ("nearest", "linear", "bspline3")
 

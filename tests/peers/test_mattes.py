@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from support import sitk as peer
-from support.objectives import SPLINES, objective
 
 from regframe.catalog import TRANSFORMS
 from regframe.engine.objective import Objective
 from regframe.geometry import Grid
 from regframe.image import Image
 from regframe.transforms.warp import Warp
+from support import sitk as peer
+from support.objectives import SPLINES, objective
 
 TURN = 0.3
 OBLIQUE = ((np.cos(TURN), -np.sin(TURN)), (np.sin(TURN), np.cos(TURN)))

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from support import sitk as peer
-from support.problems import run
-from support.sitk_problems import SitkProblem, path
 
 from regframe.optimizers.one_plus_one import OnePlusOne
 from regframe.transforms.similarity import Similarity
 from regframe.transforms.warp import Warp
+from support import sitk as peer
+from support.problems import run
+from support.sitk_problems import SitkProblem, path
 
 START = [1.04, -0.03, 6.0, -5.0]  # the images are aligned at the identity
 SCALES = [([1.0, 1.0, 1.0, 1.0], 0.05), ([1.0, 1.0, 1e-3, 1e-3], 4e-3), ([1400.0, 1500.0, 1.0, 1.0], 2.0)]

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from support import sitk as peer
-from support.objectives import objective
 
 from regframe.catalog import TRANSFORMS
 from regframe.transforms.warp import Warp
+from support import sitk as peer
+from support.objectives import objective
 
 METRICS = {"mean-squares": "SetMetricAsMeanSquares", "correlation": "SetMetricAsCorrelation"}
 PARAMS = [1.04, 0.05, 2.3, -1.7]

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from support import sitk as peer
-from support.problems import run
-from support.sitk_problems import SitkProblem, path
 
 from regframe.optimizers.regular_step_gradient_descent import RegularStepGradientDescent
 from regframe.transforms.similarity import Similarity
 from regframe.transforms.translation import Translation
 from regframe.transforms.warp import Warp
+from support import sitk as peer
+from support.problems import run
+from support.sitk_problems import SitkProblem, path
 
 SIMILARITY = [1.03, 0.04, 1.5, -1.0]
 ITERATIONS = 25

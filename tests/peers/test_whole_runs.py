@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from support import runs
-from support import sitk as peer
 
 from regframe.engine.native import Native
 from regframe.engine.start import begin
 from regframe.geometry import Grid
 from regframe.preset import parse
+from support import runs
+from support import sitk as peer
 
 LEVELS = [
     {"shrink": 4, "smooth": 2.0, "iterations": 40},
@@ -60,7 +60,7 @@ def both(chosen, fixed, moving):
 def test_evolution_over_three_levels(transform, interpolator, start):
     fixed, moving = peer.pair((60, 72))
     count = {"similarity": 4, "affine": 6, "rigid": 3, "translation": 2}[transform]
-    scales = ([400.0] * 6)[: count - 2] + [1.0, 1.0]
+    scales = [*[400.0] * (count - 2), 1.0, 1.0]
 
     ours, theirs = both(
         preset(transform=transform, interpolator=interpolator, start=start, scales=scales), fixed, moving

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import SimpleITK as sitk
-from support import sitk as peer
 
 from regframe.image import Image
 from regframe.preset import Preset, Stage
 from regframe.transforms.warp import Warp
+from support import sitk as peer
 
 METRICS = {
     "Mattes": lambda run, metric: run.SetMetricAsMattesMutualInformation(metric.bins),

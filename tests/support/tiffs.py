@@ -63,3 +63,32 @@ def tiff(pages, changes=None, order="<", big=False):
         parts.append(body + extra + data + bytes(page.nbytes % 2))
         at = following
     return b"".join(parts)
+
+
+def tiled(array, order="<", size=16):
+    """Bytes of a TIFF file whose pixels lie in square tiles."""
+    samples = array.shape[2] if array.ndim == 3 else 1
+    down, across = (-(-length // size) for length in array.shape[:2])
+    padded = np.zeros((down * size, across * size, *array.shape[2:]), array.dtype)
+    padded[: array.shape[0], : array.shape[1]] = array
+    tiles = [
+        padded[size * i : size * (i + 1), size * j : size * (j + 1)]
+        for i in range(down)
+        for j in range(across)
+    ]
+    column = np.concatenate(tiles)
+    whole = {WIDTH: array.shape[1], LENGTH: array.shape[0], 322: size, 323: size}
+    data = bytearray(tiff([column], {**whole, OFFSETS: 0, 324: 0, 325: 0, ROWS: None, BYTES: None}, order))
+    # Offsets and sizes of the tiles stand at the end, the tags point there.
+    body = column.nbytes + column.nbytes % 2
+    first, each = len(data) - body, size * size * samples * array.dtype.itemsize
+    for tag, values in (
+        (324, [first + each * i for i in range(len(tiles))]),
+        (325, [each] * len(tiles)),
+    ):
+        at = data.index(struct.pack(order + "HHI", tag, 4, 1))
+        listed = struct.pack(f"{order}{len(tiles)}I", *values)
+        field = listed if len(tiles) == 1 else struct.pack(order + "I", len(data))
+        data[at + 4 : at + 12] = struct.pack(order + "I", len(tiles)) + field
+        data += listed
+    return bytes(data)

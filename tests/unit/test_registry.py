@@ -5,13 +5,13 @@ from typing import Annotated
 
 import pytest
 from pydantic import BaseModel, Field, ValidationError
-from support.stubs import Plain, Stub
 
 from regframe.catalog import KINDS
 from regframe.component import Component
 from regframe.errors import PresetError
 from regframe.metrics.base import Metric, Pairs
 from regframe.registry import Registry
+from support.stubs import Plain, Stub
 
 BASE = "regframe.metrics.base:Metric"
 
@@ -104,14 +104,16 @@ def test_forgetting_an_unknown_name_does_nothing(metrics):
 
 
 def test_register_refuses_a_built_in_name(metrics):
-    with pytest.raises(PresetError, match=r"'stub' is already the name of a stub \(regframe\)\. Choose another"):
+    with pytest.raises(
+        PresetError, match=r"'stub' is already the name of a stub \(regframe\)\. Choose another"
+    ):
         metrics.register("stub")(Plain)
 
 
 def test_register_refuses_a_name_of_this_session(metrics):
     metrics.register("mine")(type("First", (Plain,), {"__module__": __name__}))
 
-    with pytest.raises(PresetError, match="already the name of a stub .this session.") as caught:
+    with pytest.raises(PresetError, match=r"already the name of a stub \(this session\)") as caught:
         metrics.register("mine")(type("Second", (Plain,), {"__module__": __name__}))
 
     assert "Choose another name" in str(caught.value)
@@ -129,13 +131,15 @@ def test_register_refuses_a_class_of_another_kind(metrics):
     class Stranger(Component):
         pass
 
-    with pytest.raises(PresetError, match=r"'mine' cannot be a stub: .*Stranger.* does not derive from Metric"):
+    with pytest.raises(
+        PresetError, match=r"'mine' cannot be a stub: .*Stranger.* does not derive from Metric"
+    ):
         metrics.register("mine")(Stranger)
 
 
 def test_register_refuses_what_is_no_class(metrics):
     with pytest.raises(PresetError, match="does not derive from Metric"):
-        metrics.register("mine")(lambda pairs: 0.0)
+        metrics.register("mine")(len)
 
 
 def test_register_refuses_an_option_called_type(metrics):
@@ -177,7 +181,9 @@ def test_building_refuses_an_instance_of_another_kind(metrics):
 
 @pytest.mark.parametrize("config", [4, None, {}, {"bins": 3}, {"type": 3}, ["stub"]])
 def test_building_refuses_what_is_no_configuration(metrics, config):
-    with pytest.raises(PresetError, match="a stub is a name or a table with `type`. Got .* Write .plain. or"):
+    with pytest.raises(
+        PresetError, match=r"a stub is a name or a table with `type`\. Got .* Write .plain. or"
+    ):
         metrics.build(config)
 
 
@@ -190,7 +196,7 @@ def test_an_extra_option_is_answered_with_the_nearest(metrics):
 
 
 def test_an_extra_option_where_there_are_none_says_so(metrics):
-    with pytest.raises(PresetError, match="bins: unknown option. There are none here: remove it."):
+    with pytest.raises(PresetError, match=r"bins: unknown option\. There are none here: remove it\."):
         metrics.build({"type": "plain", "bins": 32})
 
 
@@ -205,13 +211,15 @@ def test_every_fault_of_a_component_is_told(metrics):
 
 
 def test_a_components_own_check_is_told_in_its_own_words(metrics):
-    with pytest.raises(PresetError, match=r": `pair` must rise\. Got \(3\.0, 1\.0\)\. Write the smaller first\.$"):
+    with pytest.raises(
+        PresetError, match=r": `pair` must rise\. Got \(3\.0, 1\.0\)\. Write the smaller first\.$"
+    ):
         metrics.build({"type": "stub", "pair": [3, 1]})
 
 
 @pytest.mark.parametrize("bins", ["32", True, 32.5, None])
 def test_no_other_type_is_taken_for_a_number(metrics, bins):
-    with pytest.raises(PresetError, match="bins: must be a whole number. Got"):
+    with pytest.raises(PresetError, match=r"bins: must be a whole number\. Got"):
         metrics.build({"type": "stub", "bins": bins})
 
 
@@ -306,7 +314,7 @@ def test_a_broken_plugin_takes_no_other_down(metrics, plugins):
 def test_a_plugin_without_its_class_is_named(metrics, plugins):
     install(plugins, "shiny-metrics", {"shiny": "shiny_metrics:Shinny"}, GOOD)
 
-    with pytest.raises(PresetError, match="'shiny' of shiny-metrics cannot be imported .* 'Shinny'"):
+    with pytest.raises(PresetError, match=r"'shiny' of shiny-metrics cannot be imported .* 'Shinny'"):
         metrics["shiny"]
 
 
@@ -338,7 +346,9 @@ def test_two_plugins_of_one_name_are_both_named(metrics, plugins):
     install(plugins, "shiny-metrics", {"shiny": "shiny_metrics:Shiny"}, GOOD)
     install(plugins, "other-metrics", {"shiny": "other_metrics:Shiny"}, GOOD)
 
-    with pytest.raises(PresetError, match="'shiny' is claimed by .*-metrics and .*-metrics. Remove one of them"):
+    with pytest.raises(
+        PresetError, match=r"'shiny' is claimed by .*-metrics and .*-metrics\. Remove one of them"
+    ):
         metrics["shiny"]
 
     assert len(metrics.faults()) == 2

@@ -3,10 +3,10 @@
 import hashlib
 
 import pytest
-from support import sitk as peer
 
 from regframe.engine.native import Native
 from regframe.preset import parse
+from support import sitk as peer
 
 OPTIMIZERS = ["one-plus-one", "regular-step-gradient-descent"]
 

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from support.results import image, ramp
 
 from regframe.engine.resampling import align
 from regframe.geometry import AffineMap, Frame, Grid
@@ -9,6 +8,7 @@ from regframe.interpolators.bspline import BSpline
 from regframe.interpolators.nearest import Nearest
 from regframe.transforms.translation import Translation
 from regframe.transforms.warp import Warp
+from support.results import image, ramp
 
 
 def moved(grid, *shift):

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from pydantic import Field
-from support import sitk as peer
 
 from regframe import METRICS, Metric, Pairs
 from regframe.engine.native import Native
 from regframe.preset import parse
+from support import sitk as peer
 
 
 class CorrelationRatio(Metric):

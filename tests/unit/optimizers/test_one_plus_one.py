@@ -4,7 +4,6 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from support.problems import Bowl, Rosenbrock, run
 
 from naive.one_plus_one import walk
 from naive.variates import Variates
@@ -12,6 +11,7 @@ from regframe.catalog import OPTIMIZERS
 from regframe.errors import PresetError
 from regframe.kernels.variates import Wallace
 from regframe.optimizers.one_plus_one import OnePlusOne
+from support.problems import Bowl, Rosenbrock, run
 
 
 @pytest.mark.parametrize("scales", [[1.0, 1.0, 1.0, 1.0], [4e3, 9e3, 1.0, 1.0], [1.0, 1.0, 1e-3, 1e-3]])

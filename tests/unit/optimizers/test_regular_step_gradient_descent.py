@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from support.problems import Bowl, Rosenbrock, run
 
 from regframe.catalog import OPTIMIZERS
 from regframe.errors import NoOverlapError, PresetError
 from regframe.optimizers.regular_step_gradient_descent import RegularStepGradientDescent
+from support.problems import Bowl, Rosenbrock, run
 
 KEEPS = ["best", "last"]
 

@@ -3,10 +3,10 @@
 from copy import deepcopy
 
 import pytest
-from support.stubs import GridStub, Same, Stub
 
 from regframe.catalog import FILTERS, METRICS
 from regframe.preset import Preset, parse
+from support.stubs import GridStub, Same, Stub
 
 TREE = {
     "name": "base",

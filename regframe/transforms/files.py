@@ -1,0 +1,243 @@
+"""Warps to and from ITK transform files."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from regframe.errors import GeometryError, OutputError
+from regframe.geometry import Frame, Grid
+from regframe.io import atomic, refuse_existing
+from regframe.io.decoding import reason
+from regframe.io.muted import muted
+from regframe.transforms.affine import Affine
+from regframe.transforms.base import Transform
+from regframe.transforms.rigid import Rigid
+from regframe.transforms.similarity import Similarity
+from regframe.transforms.translation import Translation
+from regframe.transforms.warp import Chain, Warp, chain
+
+if TYPE_CHECKING:
+    import SimpleITK as sitk
+
+TEXT = (".tfm", ".txt")
+SUFFIXES = (*TEXT, ".h5", ".hdf5")
+READABLE = (*SUFFIXES, ".mat")
+
+_OURS: dict[str, Callable[[], Transform]] = {
+    "TranslationTransform": Translation,
+    "Euler2DTransform": Rigid,
+    "Similarity2DTransform": Similarity,
+    "AffineTransform": Affine,
+}
+"""Classes of ITK whose parameters are those of ours."""
+
+_MATRIX_AND_CENTRE = (
+    "Euler3DTransform",
+    "ScaleSkewVersor3DTransform",
+    "ScaleTransform",
+    "ScaleVersor3DTransform",
+    "Similarity3DTransform",
+    "VersorRigid3DTransform",
+    "VersorTransform",
+)
+"""Classes of ITK that are read as affine maps."""
+
+
+def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
+    """Write a warp as an ITK transform file, which SimpleITK, ITK and Slicer read.
+
+    A translation, rigid, similarity or affine warp keeps its parameters and centre; any other affine one
+    becomes an `AffineTransform`, a chain a `CompositeTransform` in the same order.
+
+    Parameters
+    ----------
+    warp : Warp or Chain
+    path : path
+        ``.tfm`` or ``.txt`` for text, ``.h5`` for HDF5.
+    force : bool
+        Overwrite what is there.
+
+    Raises
+    ------
+    OutputError
+        Another suffix, the file exists and `force` is off, or it cannot be written.
+    GeometryError
+        A warp that is not affine.
+    """
+    import SimpleITK as sitk
+
+    target = Path(path)
+    if not target.name.lower().endswith(SUFFIXES):
+        message = (
+            f"cannot write {str(target)!r}: transforms are not written as {target.suffix!r}. "
+            f"Use {', '.join(SUFFIXES)}."
+        )
+        raise OutputError(message)
+    whole = _to_itk(warp)
+    refuse_existing(target, force)
+    error = ""
+    with atomic(target) as temporary:
+        with muted() as said:
+            try:
+                sitk.WriteTransform(whole, str(temporary))
+            except RuntimeError as fault:
+                error = str(fault)
+        if error:
+            message = (
+                f"cannot write {str(target)!r}: {reason(error.splitlines() + said)}. Name another place."
+            )
+            raise OutputError(message)
+
+
+def read(path: str | Path, grid: Grid) -> Warp | Chain:
+    """Read an ITK transform file.
+
+    Parameters
+    ----------
+    path : path
+        ``.tfm``, ``.txt``, ``.h5`` or ``.mat``.
+    grid : Grid
+        The fixed grid; the centre is the file's, or the grid's for a translation.
+
+    Returns
+    -------
+    Warp or Chain
+        Affine for those of ITK's transforms that are a matrix and a centre, and that we lack.
+
+    Raises
+    ------
+    GeometryError
+        The file is missing or damaged, of other dimensions than the grid, or holds a transform that is
+        not affine.
+    """
+    place = Path(path)
+    _check_file(place)
+    whole = _read_itk(place)
+    if whole.GetDimension() != grid.dim:
+        message = (
+            f"{path}: the transform is {whole.GetDimension()}-D and the image {grid.dim}-D. "
+            "Both must have the same number of axes."
+        )
+        raise GeometryError(message)
+    warps = [_from_itk(part, grid, str(path)) for part in _parts(whole)]
+    return chain(warps or [Warp(Translation(), np.zeros(grid.dim), Frame.about_centre(grid))])
+
+
+def _to_itk(warp: Warp | Chain) -> "sitk.Transform":
+    import SimpleITK as sitk
+
+    if isinstance(warp, Chain):
+        return sitk.CompositeTransform([_to_itk(part) for part in warp.warps])
+    dim = warp.frame.dim
+    make: dict[type[Transform], Callable[[], sitk.Transform]] = {
+        Translation: lambda: sitk.TranslationTransform(dim),
+        Rigid: sitk.Euler2DTransform,
+        Similarity: sitk.Similarity2DTransform,
+        Affine: lambda: sitk.AffineTransform(dim),
+    }
+    if type(warp.transform) not in make:
+        affine = warp.as_affine()
+        if affine is None:
+            message = (
+                f"{type(warp.transform).__name__} is not affine, so ITK's file formats have no place for it. "
+                "Write the warped image instead."
+            )
+            raise GeometryError(message)
+        warp = Warp.of_affine(affine, warp.frame)
+    theirs = make[type(warp.transform)]()
+    if not isinstance(warp.transform, Translation):
+        theirs.SetFixedParameters(warp.frame.centre.tolist())
+    theirs.SetParameters(warp.params.tolist())
+    return theirs
+
+
+def _read_itk(path: Path) -> "sitk.Transform":
+    import SimpleITK as sitk
+
+    error = ""
+    whole: sitk.Transform | None = None
+    with muted() as said:
+        try:
+            whole = sitk.ReadTransform(str(path))
+        except RuntimeError as fault:
+            error = str(fault)
+    if whole is None:
+        why = reason(error.splitlines() + said)
+        message = f"{path}: the file is damaged or holds no ITK transform ({why}). Write it anew."
+        raise GeometryError(message)
+    return whole
+
+
+def _parts(whole: "sitk.Transform") -> list["sitk.Transform"]:
+    """Members of a composite transform; a single one as it is."""
+    import SimpleITK as sitk
+
+    if whole.GetName() != "CompositeTransform":
+        return [whole]
+    composite = sitk.CompositeTransform(whole)
+    return [_unwrapped(composite.GetNthTransform(i)) for i in range(composite.GetNumberOfTransforms())]
+
+
+def _unwrapped(member: "sitk.Transform") -> "sitk.Transform":
+    """The transform of a class that SimpleITK lacks and wraps: ITK's plain matrix and offset, as of ANTs."""
+    import SimpleITK as sitk
+
+    dim, params, centre = member.GetDimension(), member.GetParameters(), member.GetFixedParameters()
+    plain = member.IsLinear() and len(params) == dim * dim + dim and len(centre) == dim
+    if member.GetName() != "CompositeTransform" or not plain:
+        return member
+    affine = sitk.AffineTransform(dim)
+    affine.SetFixedParameters(centre)
+    affine.SetParameters(params)
+    return affine
+
+
+def _from_itk(theirs: "sitk.Transform", grid: Grid, path: str) -> Warp:
+    import SimpleITK as sitk
+
+    kind = theirs.GetName()
+    if theirs.GetTransformEnum() == sitk.sitkIdentity:
+        return Warp(Translation(), np.zeros(grid.dim), Frame.about_centre(grid))
+    if kind == "TranslationTransform":
+        return Warp(Translation(), np.array(theirs.GetParameters()), Frame.about_centre(grid))
+    if kind not in _OURS and kind not in _MATRIX_AND_CENTRE:
+        message = (
+            f"{path}: {kind} is not affine, or unknown. Convert it to an affine one; known are "
+            f"{', '.join((*_OURS, *_MATRIX_AND_CENTRE))}."
+        )
+        raise GeometryError(message)
+    typed = theirs.Downcast()
+    centre = np.array(typed.GetCenter())
+    if kind in _OURS:
+        return Warp(_OURS[kind](), np.array(theirs.GetParameters()), Frame(grid, centre))
+    # The centre moves by the translation alone.
+    translation = np.array(typed.TransformPoint(centre.tolist())) - centre
+    return Warp(Affine(), np.concatenate([typed.GetMatrix(), translation]), Frame(grid, centre))
+
+
+def _check_file(path: Path) -> None:
+    if not path.is_file():
+        message = f"{path}: there is no such transform file. Check the path."
+        raise GeometryError(message)
+    if not path.name.lower().endswith(READABLE):
+        message = f"{path}: no transform format has the suffix {path.suffix!r}. Known: {', '.join(READABLE)}."
+        raise GeometryError(message)
+    if path.name.lower().endswith(TEXT):
+        _check_text(path)
+
+
+def _check_text(path: Path) -> None:
+    """Refuse a text file that breaks off: ITK gives the identity for parameters that are missing."""
+    text = path.read_text(encoding="utf-8", errors="replace")
+    heads = [line.partition(":")[0].strip() for line in text.splitlines()]
+    kinds = [line for line in text.splitlines() if line.startswith("Transform:")]
+    wanted = sum("CompositeTransform" not in kind for kind in kinds)
+    met = min(heads.count("Parameters"), heads.count("FixedParameters"))
+    if not kinds or met < wanted:
+        message = (
+            f"{path}: the transform file is damaged or truncated: of {wanted} transforms, {met} have "
+            "parameters. Write it anew."
+        )
+        raise GeometryError(message)

@@ -1,0 +1,36 @@
+"""Every registered component passes the public suite, with no list to maintain."""
+
+import pytest
+
+from regframe.catalog import FILTERS, INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
+from regframe.testing.checks import conformance
+
+# Only components that cannot be built without options need one set of them here.
+OPTIONS = {"window": {"low": 20.0, "high": 80.0}}
+# Settings that run other code than the defaults do.
+VARIANTS = [(INTERPOLATORS, {"type": "bspline", "order": order}) for order in (0, 1, 2, 4, 5)] + [
+    (METRICS, {"type": "mattes", "bins": 12}),
+    (OPTIMIZERS, {"type": "one-plus-one", "variates": "numpy", "radius": 1.0}),
+    (OPTIMIZERS, {"type": "regular-step-gradient-descent", "estimate_learning_rate": "once"}),
+]
+
+
+def shipped(registry):
+    return [registry.build({"type": name, **OPTIONS.get(name, {})}) for name in registry.names()]
+
+
+test_metric = conformance(*shipped(METRICS))
+test_transform = conformance(*shipped(TRANSFORMS))
+test_interpolator = conformance(*shipped(INTERPOLATORS))
+test_optimizer = conformance(*shipped(OPTIMIZERS))
+test_filter = conformance(*shipped(FILTERS))
+test_variant = conformance(*(registry.build(config) for registry, config in VARIANTS))
+
+
+@pytest.mark.parametrize(
+    "registry", [METRICS, TRANSFORMS, INTERPOLATORS, OPTIMIZERS, FILTERS], ids=lambda r: r.kind
+)
+def test_every_registered_name_is_checked(registry):
+    built = {registry.name_of(component) for component in shipped(registry)}
+
+    assert built == set(registry.names())
