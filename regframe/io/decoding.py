@@ -18,6 +18,14 @@ if TYPE_CHECKING:
     from PIL import Image as Pillow
 
 _DAMAGED_JPEG = ("Premature end of JPEG", "premature end of data", "bad Huffman code")
+# Named, because SimpleITK's own choice does not know all suffixes in capital letters.
+_READERS = {
+    ".nrrd": "NrrdImageIO",
+    ".nhdr": "NrrdImageIO",
+    ".mha": "MetaImageIO",
+    ".mhd": "MetaImageIO",
+    ".nii": "NiftiImageIO",
+}
 _NO_REASON = re.compile(r"^(Exception thrown|Filename|Reason: |WARNING: In|\s)|^$")
 _CLUTTER = re.compile(r"^(ITK ERROR: |sitk::ERROR: |\[nrrd\] )|\w+\(0x[0-9a-f]+\): ")
 
@@ -76,17 +84,16 @@ def volume(path: Path, name: str) -> "sitk.Image":
     ImageError
         The file is no image, or damaged.
     """
-    called = path.name.lower()
-    if not called.endswith((".nii", ".nii.gz")):
-        return _read(path, name)
-    if called.endswith(".nii"):
+    suffix = path.suffix.lower()
+    if suffix == ".nii":
         nifti.check(path, name)
-        return _read(path, name)
+    if suffix != ".gz":
+        return _read(path, name, _READERS[suffix])
     with TemporaryDirectory() as folder:
         plain = Path(folder) / "unpacked.nii"
         nifti.unpack(path, plain, name)
         nifti.check(plain, name)
-        return _read(plain, name)
+        return _read(plain, name, _READERS[".nii"])
 
 
 def _tiff(path: Path, name: str) -> NDArray[Any]:
@@ -102,22 +109,22 @@ def _tiff(path: Path, name: str) -> NDArray[Any]:
         return plan.restore(sitk.GetArrayFromImage(_read(other, name)), name)
 
 
-def _read(path: Path, name: str) -> "sitk.Image":
-    image, said = _attempt(path)
+def _read(path: Path, name: str, reader: str = "TIFFImageIO") -> "sitk.Image":
+    image, said = _attempt(path, reader)
     if image is None:
         message = f"{name}: the file is damaged, truncated or no image ({reason(said)}). Copy it again."
         raise ImageError(message)
     return image
 
 
-def _attempt(path: Path) -> tuple["sitk.Image | None", list[str]]:
+def _attempt(path: Path, reader: str = "") -> tuple["sitk.Image | None", list[str]]:
     """What SimpleITK reads, if it can, and all that it and its libraries say about it."""
     import SimpleITK as sitk
 
     image, error = None, ""
     with muted() as said:
         try:
-            image = sitk.ReadImage(str(path))
+            image = sitk.ReadImage(str(path), imageIO=reader)
         except RuntimeError as fault:
             error = str(fault)
     # Libraries that say anything say it better than the exception.

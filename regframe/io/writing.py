@@ -77,7 +77,7 @@ def write(array: NDArray[Any], grid: Grid, path: str | Path, *, force: bool = Fa
 def atomic(path: str | Path) -> Iterator[Path]:
     """A temporary path in the same folder, renamed to `path` on success and removed on any failure.
 
-    Its name ends as that of `path` does, since writers choose their format by it.
+    Its name ends as that of `path` does, in small letters: writers choose their format by it.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def atomic(path: str | Path) -> Iterator[Path]:
     if not target.parent.is_dir():
         message = f"cannot write {str(target)!r}: its folder does not exist. Make it first, or name another."
         raise OutputError(message)
-    temporary = target.with_name(f".{token_hex(4)}.{target.name}")
+    temporary = target.with_name(f".{token_hex(4)}.{target.name.lower()}")
     try:
         yield temporary
         temporary.replace(target)

@@ -69,7 +69,7 @@ def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
     import SimpleITK as sitk
 
     target = Path(path)
-    if not target.name.lower().endswith(SUFFIXES):
+    if not target.name.endswith(SUFFIXES):
         message = (
             f"cannot write {str(target)!r}: transforms are not written as {target.suffix!r}. "
             f"Use {', '.join(SUFFIXES)}."
@@ -221,10 +221,10 @@ def _check_file(path: Path) -> None:
     if not path.is_file():
         message = f"{path}: there is no such transform file. Check the path."
         raise GeometryError(message)
-    if not path.name.lower().endswith(READABLE):
+    if not path.name.endswith(READABLE):
         message = f"{path}: no transform format has the suffix {path.suffix!r}. Known: {', '.join(READABLE)}."
         raise GeometryError(message)
-    if path.name.lower().endswith(TEXT):
+    if path.name.endswith(TEXT):
         _check_text(path)
 
 
@@ -235,7 +235,7 @@ def _check_text(path: Path) -> None:
     kinds = [line for line in text.splitlines() if line.startswith("Transform:")]
     wanted = sum("CompositeTransform" not in kind for kind in kinds)
     met = min(heads.count("Parameters"), heads.count("FixedParameters"))
-    if not kinds or met < wanted:
+    if not kinds or met < wanted or not text.endswith("\n"):
         message = (
             f"{path}: the transform file is damaged or truncated: of {wanted} transforms, {met} have "
             "parameters. Write it anew."

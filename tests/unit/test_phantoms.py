@@ -170,6 +170,51 @@ def test_frames_are_not_simply_related():
     assert abs(found) < 0.4
 
 
+@pytest.fixture(scope="module")
+def mattes():
+    """SimpleITK's Mattes mutual information of a street, by motion away from the truth in pixels."""
+    import SimpleITK as sitk
+
+    phantom = visual_thermal(1, (240, 320))
+    images = [sitk.GetImageFromArray(image.values) for image in (phantom.fixed, phantom.moving)]
+    method = sitk.ImageRegistrationMethod()
+    method.SetMetricAsMattesMutualInformation(50)
+    method.SetMetricUseMovingImageGradientFilter(False)
+    method.SetInterpolator(sitk.sitkBSpline)
+    transform = sitk.Similarity2DTransform()
+    transform.SetCenter(phantom.truth.frame.centre.tolist())
+    # One unit of scale or angle moves a corner by 200 px.
+    reach = np.array([200.0, 200.0, 1.0, 1.0])
+
+    def value(parameter, pixels):
+        params = phantom.truth.params.copy()
+        params[parameter] += pixels / reach[parameter]
+        transform.SetParameters(params.tolist())
+        method.SetInitialTransform(transform, inPlace=True)
+        return method.MetricEvaluate(*images)
+
+    return value
+
+
+@pytest.mark.parametrize("parameter", range(4), ids=["scale", "angle", "tx", "ty"])
+def test_mutual_information_is_best_at_the_truth(mattes, parameter):
+    """The vertex of a parabola through five values lies within 0.2 px of the truth."""
+    steps = np.linspace(-0.4, 0.4, 5)
+
+    curvature, slope, _ = np.polyfit(steps, [mattes(parameter, step) for step in steps], 2)
+
+    assert curvature > 0.0
+    assert abs(slope / (2.0 * curvature)) < 0.2
+
+
+@pytest.mark.parametrize("parameter", range(4), ids=["scale", "angle", "tx", "ty"])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_mutual_information_leads_to_the_truth_from_afar(mattes, parameter, side):
+    found = [mattes(parameter, side * pixels) for pixels in (0, 2, 5, 10, 20)]
+
+    assert found == sorted(found)
+
+
 def test_drawn_misalignment_is_that_of_hand_mounted_cameras():
     fixed, moving = Grid.of_shape((480, 640)), Grid.of_shape((384, 512))
 

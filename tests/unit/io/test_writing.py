@@ -64,6 +64,13 @@ def test_writes_numbers_of_the_other_byte_order(tmp_path, dtype):
     np.testing.assert_array_equal(read(tmp_path / "frame.tif").raw, pixels(dtype))
 
 
+@pytest.mark.parametrize("suffix", [".PNG", ".Jpeg", ".BMP", ".TIF", ".NRRD", ".MHA", ".NII", ".NII.GZ"])
+def test_knows_suffixes_in_capital_letters(tmp_path, suffix):
+    write(np.full((8, 11), 7, np.uint8), PLANE, tmp_path / f"FRAME{suffix}")
+
+    np.testing.assert_array_equal(read(tmp_path / f"FRAME{suffix}").raw, 7)
+
+
 def test_writes_a_view(tmp_path):
     write(pixels("u1")[::-1, ::-1], PLANE, tmp_path / "frame.png")
 

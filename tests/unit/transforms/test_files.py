@@ -29,7 +29,7 @@ WARPS = {
     "affine in 3-D": Warp(Affine(), np.linspace(0.1, 2, 12), Frame(VOLUME, np.array([1 / 3, 2.0, 3.0]))),
     "translation in 3-D": Warp(Translation(), np.array([1.0, 2.0, 1 / 3]), Frame.about_centre(VOLUME)),
 }
-SUFFIXES = [".tfm", ".txt", ".h5", ".hdf5", ".TFM"]
+SUFFIXES = [".tfm", ".txt", ".h5", ".hdf5"]
 
 
 @final
