@@ -65,6 +65,13 @@ def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
         Another suffix, the file exists and `force` is off, or it cannot be written.
     GeometryError
         A warp that is not affine.
+
+    Examples
+    --------
+    >>> frame = Frame.about_centre(Grid.of_shape((480, 640)))
+    >>> write(Warp(Rigid(), np.array([0.5, 3.0, 4.0]), frame), "warp.tfm")
+    >>> read("warp.tfm", frame.grid).params
+    array([0.5, 3. , 4. ])
     """
     import SimpleITK as sitk
 
