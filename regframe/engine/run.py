@@ -1,18 +1,23 @@
 """One call from two images to a result."""
 
 from collections.abc import Iterable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from regframe.engine.base import Engine, Observer, Result
-from regframe.engine.native import Native
 from regframe.errors import PresetError
+from regframe.faults import nearest
 from regframe.image import Image
 from regframe.io import coerce, read_mask
 from regframe.preset import Preset, load, parse
 from regframe.transforms.warp import Chain, Warp
 
-ENGINES: Mapping[str, type[Engine]] = {"native": Native}
+ENGINES: Mapping[str, str] = {
+    "native": "regframe.engine.native:Native",
+    "simpleitk": "regframe.peer.simpleitk:SimpleITKEngine",
+}
+"""Name to ``module:Class``, imported when first asked for."""
 
 
 def register(
@@ -84,9 +89,11 @@ def _engine(engine: str | Engine) -> Engine:
     if isinstance(engine, Engine):
         return engine
     if engine not in ENGINES:
-        message = f"no engine is called {engine!r}. Known: {', '.join(ENGINES)}."
+        message = f"no engine is called {engine!r}.{nearest(engine, ENGINES)} Known: {', '.join(ENGINES)}."
         raise PresetError(message)
-    return ENGINES[engine]()
+    module, _, name = ENGINES[engine].partition(":")
+    made: Engine = getattr(import_module(module), name)()
+    return made
 
 
 def masked(image: Image, mask: str | Path | None) -> Image:
