@@ -65,7 +65,7 @@ def register(
     >>> result.pixel_matrix.shape
     (3, 3)
     """
-    resolved = _preset(preset)
+    resolved = as_preset(preset)
     chosen = _engine(engine)
     steps = chosen.iterate(resolved, coerce(fixed, "fixed"), coerce(moving, "moving"), start=start)
     watching = tuple(observers)
@@ -79,7 +79,8 @@ def register(
             observer(progress)
 
 
-def _preset(preset: Preset | str | Path | Mapping[str, Any]) -> Preset:
+def as_preset(preset: Preset | str | Path | Mapping[str, Any]) -> Preset:
+    """A preset as it is, or one loaded from its name, path or mapping."""
     if isinstance(preset, Preset):
         return preset
     return parse(preset) if isinstance(preset, Mapping) else load(preset)

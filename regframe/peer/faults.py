@@ -11,11 +11,11 @@ _FLAT = ("zero-valued spacing", "spacing of zero", "Zero-valued spacing")
 
 
 def translated(error: RuntimeError) -> RegframeError:
-    """The error of ours that an error of SimpleITK's means.
+    r"""The error of ours that an error of SimpleITK's means.
 
     Examples
     --------
-    >>> translated(RuntimeError("Exception thrown in SimpleITK X: a.hxx:1:\\nITK ERROR: Y(0x1f): odd"))
+    >>> translated(RuntimeError("Exception thrown in SimpleITK X: a.hxx:1:\nITK ERROR: Y(0x1f): odd"))
     RegframeError('SimpleITK cannot run this: odd. Change that part of the preset, or use the native engine.')
     """
     lines = [_CLUTTER.sub("", line).strip() for line in str(error).splitlines() if not _PLACE.match(line)]

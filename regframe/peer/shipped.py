@@ -103,7 +103,7 @@ def _(ours: OnePlusOne, stage: Stage, unit: Params) -> Terms:
         stage = _changed(stage, scales=tuple(map(float, unit)))
         notes.append(
             'scales = "shift" is told as a list, measured once at the start of the stage; epsilon is then '
-            "compared with a norm in parameters and not in pixels, so a run that epsilon ends may end elsewhere"
+            "compared with a norm in parameters, not in pixels, so a run that epsilon ends may end elsewhere"
         )
     if ours.variates != "wallace":
         notes.append(f'the draws of variates = "{ours.variates}" have no counterpart; SimpleITK uses its own')

@@ -117,7 +117,9 @@ class _Run:
         _start_value(part, self.pair, warp)
         limit, count, level = part.levels[0].iterations, 0, 0
         ended: list[_Seen] = []
-        walk: Generator[_Seen, None, None] = lockstep(lambda tell: _execute(spoken, part, self.pair, warp, tell))
+        walk: Generator[_Seen, None, None] = lockstep(
+            lambda tell: _execute(spoken, part, self.pair, warp, tell)
+        )
         try:
             for seen in walk:
                 if seen.stop:
