@@ -66,7 +66,6 @@ def crosscheck(
     resolved = resolve(preset, settings or [], seed, "simpleitk")
     below = inputs.image(fixed, "fixed", fixed_mask)
     above = inputs.image(moving, "moving", moving_mask)
-    # Each engine's levels are told as they end.
     with Display(resolved, "none" if quiet or as_json else manner(False)) as display:
         report = check_pair(resolved, below, above, observers=(display,))
     if out is not None:

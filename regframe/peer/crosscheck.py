@@ -35,7 +35,7 @@ def crosscheck(
         Its stages, components and levels are what is compared.
     fixed, moving : path, numpy array, SimpleITK image or Image
     observers : callables
-        Each is called with a Progress after every iteration of either engine.
+        Each is called with a Progress after every iteration of SimpleITK's run, the longest part.
 
     Returns
     -------

@@ -5,6 +5,8 @@ import SimpleITK as sitk
 
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
+from regframe.peer.convert import image, transform
+from regframe.peer.convert import mask as of_mask
 from regframe.transforms.warp import Warp
 
 INTERPOLATORS = {"nearest": sitk.sitkNearestNeighbor, "linear": sitk.sitkLinear} | {
@@ -12,35 +14,8 @@ INTERPOLATORS = {"nearest": sitk.sitkNearestNeighbor, "linear": sitk.sitkLinear}
 }
 
 
-def image(ours: Image) -> sitk.Image:
-    """The same values and geometry."""
-    theirs = sitk.GetImageFromArray(ours.values)
-    theirs.SetSpacing(ours.grid.spacing)
-    theirs.SetOrigin(ours.grid.origin)
-    theirs.SetDirection([v for row in ours.grid.direction for v in row])
-    return theirs
-
-
 def mask(ours: Image) -> sitk.Image:
-    theirs = sitk.GetImageFromArray(ours.mask.astype(np.uint8))
-    theirs.CopyInformation(image(ours))
-    return theirs
-
-
-def transform(warp: Warp) -> sitk.Transform:
-    """The same parameters about the same centre."""
-    dim = warp.frame.dim
-    kinds = {
-        "Translation": lambda: sitk.TranslationTransform(dim),
-        "Rigid": sitk.Euler2DTransform,
-        "Similarity": sitk.Similarity2DTransform,
-        "Affine": lambda: sitk.AffineTransform(dim),
-    }
-    theirs = kinds[type(warp.transform).__name__]()
-    if hasattr(theirs, "SetCenter"):
-        theirs.SetCenter(warp.frame.centre.tolist())
-    theirs.SetParameters(warp.params.tolist())
-    return theirs
+    return of_mask(ours.mask, ours.grid)
 
 
 def method(fixed: Image, moving: Image, interpolator: str) -> sitk.ImageRegistrationMethod:
