@@ -48,7 +48,7 @@ def ours(frames, out, *options: str) -> list[str]:
 
 def told(capsys, text: str) -> None:
     with capsys.disabled():
-        print(f"\n{text}")  # noqa: T201
+        print(f"\n{text}")
 
 
 @pytest.mark.parametrize(
@@ -63,10 +63,8 @@ def test_command_is_faster_than_a_script_by(options, target, frames, tmp_path, c
 
     theirs, mine = (statistics.median(column) for column in zip(*rounds, strict=True))
     ratio = statistics.median(a / b for a, b in rounds)
-    told(
-        capsys,
-        f"paper-similarity {' '.join(options)}: {theirs:.2f} s / {mine:.2f} s = {ratio:.1f}x, target {target}x",
-    )
+    times = f"{theirs:.2f} s / {mine:.2f} s = {ratio:.1f}x"
+    told(capsys, f"paper-similarity {' '.join(options)}: {times}, target {target}x")
     assert ratio >= target / 2
 
 
@@ -112,8 +110,6 @@ def test_start_up_is_below(code, target, capsys):
 
     took = statistics.median(seconds(command) for _ in range(9))
 
-    told(
-        capsys,
-        f"{code.split(';')[-1].strip()}: {took:.3f} s, of which python {seconds(empty):.3f} s, target {target} s",
-    )
+    what, bare = code.split(";")[-1].strip(), seconds(empty)
+    told(capsys, f"{what}: {took:.3f} s, of which python {bare:.3f} s, target {target} s")
     assert took < 2 * target

@@ -86,8 +86,7 @@ def test_mattes_is_faster_by(interpolator, derivative, target, monkeypatch, caps
     theirs, ours = (statistics.median(column) for column in zip(*rounds, strict=True))
     ratio = statistics.median(a / b for a, b in rounds)
     what = "value and derivative" if derivative else "value"
+    times = f"{theirs:.1f} ms / {ours:.2f} ms"
     with capsys.disabled():
-        print(
-            f"\nMattes {what}, {interpolator}: {theirs:.1f} ms / {ours:.2f} ms = {ratio:.1f}x, target {target:.0f}x"
-        )  # noqa: T201
+        print(f"\nMattes {what}, {interpolator}: {times} = {ratio:.1f}x, target {target:.0f}x")
     assert ratio >= target / 2
