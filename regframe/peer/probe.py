@@ -74,7 +74,8 @@ def smoothed(image: Image, sigma: float) -> Image:
     if sigma == 0.0:
         return image
     theirs = sitk.SmoothingRecursiveGaussian(convert.image(image), sigma)
-    return image.with_values(sitk.GetArrayFromImage(theirs))
+    # The filter gives float32 whatever it is given; the registration method casts back.
+    return image.with_rounded(sitk.GetArrayFromImage(theirs))
 
 
 def resampled(
