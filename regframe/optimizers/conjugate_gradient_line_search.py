@@ -21,9 +21,10 @@ class ConjugateGradientLineSearch(LineSearchDescent):
     `itk::ConjugateGradientLineSearchOptimizerv4`, whose path it walks. In long valleys it needs fewer
     iterations than straight descent.
 
-    Three departures from ITK: `keep` says which position is reported; places of the search where nothing
-    overlaps are passed by, also where ITK's Mattes metric would abort the run; and the learning rate is
-    estimated wherever that is asked for, where ITK does so only beside estimated scales.
+    Four departures from ITK: `keep` says which position is reported; places of the search where nothing
+    overlaps are passed by, also where ITK's Mattes metric would abort the run; the learning rate is
+    estimated wherever that is asked for, where ITK does so only beside estimated scales; and where it is
+    not, each level begins with `learning_rate`, where ITK goes on with the last rate found.
     """
 
     def direction(self) -> Direction:

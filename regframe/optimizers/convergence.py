@@ -14,8 +14,8 @@ class Window:
     `itk::Function::WindowConvergenceMonitoringFunction`: two linear B-splines, one falling and one rising
     over the window, are each fitted to the values, and their coefficients compared. The divisor is the sum
     of all magnitudes since the level began, so a level that runs long is stopped earlier. Weights are
-    single precision as ITK's are, each operation rounded; in double precision answers differ in the sixth
-    digit.
+    single precision as ITK's are, each operation rounded, which gives ITK's answer to the last digits; in
+    double precision it would differ in the sixth.
 
     Parameters
     ----------
@@ -52,7 +52,8 @@ def _weights(size: int) -> tuple[tuple[Singles, float], tuple[Singles, float]]:
     one = np.float32(1.0)
     along = np.arange(size, dtype=np.float32) / np.float32(size - 1)
     along[-1] = one - np.float32(1e-4)
-    hats = (one - along, along)
+    # The rising hat is 1 - |1 - u| in single precision, which is not quite u.
+    hats = (one - along, one - (one - along))
     norm = hats[0] * hats[0] + hats[1] * hats[1]
     return (_spline(hats[0], norm), _spline(hats[1], norm))
 

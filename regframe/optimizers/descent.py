@@ -46,6 +46,7 @@ LearningRate = Annotated[
 ConvergenceMinimum = Annotated[
     float,
     Field(
+        allow_inf_nan=False,
         description=(
             "Stop once the value falls by no more than this over `convergence_window` iterations, as a share "
             "of the sum of all values of the level; a negative number never stops a falling value."

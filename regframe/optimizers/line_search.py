@@ -3,10 +3,10 @@
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Generator
-from typing import Literal, Self, final
+from typing import Literal, final
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from regframe.optimizers.base import Normals, Optimizer, Problem, Step
 from regframe.optimizers.convergence import Window
@@ -65,13 +65,6 @@ class LineSearchDescent(Optimizer):
             "evaluation a level; or ITK's, reached from the best one without being measured itself."
         ),
     )
-
-    @model_validator(mode="after")
-    def _start_fits(self) -> Self:
-        if not math.isfinite(self.convergence_minimum):
-            message = "`convergence_minimum` must be a finite number: write -1e300 to never stop"
-            raise ValueError(message)
-        return self
 
     @abstractmethod
     def direction(self) -> Direction:
