@@ -18,8 +18,8 @@ class ConjugateGradientLineSearch(LineSearchDescent):
 
     E. Polak and G. Ribiere, "Note sur la convergence de methodes de directions conjuguees", Revue
     francaise d'informatique et de recherche operationnelle 3, 1969, with golden section searches;
-    `itk::ConjugateGradientLineSearchOptimizerv4`, whose path it walks. In long valleys it needs fewer
-    iterations than straight descent.
+    `itk::ConjugateGradientLineSearchOptimizerv4`, whose path it walks. Where the metric is much
+    steeper along one direction than along another it needs far fewer iterations than straight descent.
 
     Four departures from ITK: `keep` says which position is reported; places of the search where nothing
     overlaps are passed by, also where ITK's Mattes metric would abort the run; the learning rate is

@@ -14,6 +14,7 @@ from regframe.optimizers.handover import Cost, Report, turns
 from regframe.types import Params
 
 _ENDLESS = 2**31 - 1  # the engine's budget ends the search, not scipy's
+_NO_LOWER_PLACE = 2  # scipy's status, which it calls abnormal
 
 
 @final
@@ -102,7 +103,9 @@ class Lbfgsb(Optimizer):
         found = minimize(
             cost, start, method="L-BFGS-B", jac=True, bounds=bounds, callback=callback, options=options
         )
-        return f"L-BFGS-B: {str(found.message).strip()}"
+        if found.status == _NO_LOWER_PLACE:
+            return "the line search finds no lower place: the slope does not fit the value here"
+        return f"scipy's L-BFGS-B: {str(found.message).lower().strip(' :')}"
 
 
 class _Cautious:

@@ -65,7 +65,7 @@ class Powell(Optimizer):
         scales = effective(problem.scales)
         origin = np.array(start, dtype=np.float64)
         here = _Here(origin, _measure(problem, origin))
-        lines = np.eye(len(origin))
+        lines, told = np.eye(len(origin)), origin
         while True:
             began = here
             here, best, drop = self._round(problem, here, lines / scales[:, None])
@@ -73,7 +73,7 @@ class Powell(Optimizer):
             if 2.0 * abs(began.value - here.value) <= self.value_tolerance * (
                 abs(began.value) + abs(here.value)
             ):
-                if moved > 0.0:
+                if not np.array_equal(told, here.at):
                     yield Step(here.at, here.value, moved)
                 return f"a round changes the value by less than value_tolerance ({self.value_tolerance:g})"
             travel = (here.at - origin) * scales
@@ -84,7 +84,8 @@ class Powell(Optimizer):
                 here, far = self._search(problem, here, travel / scales, 1.0)
                 lines[:, best] = far * travel
                 probe = here.at
-            yield Step(here.at if self.keep == "best" else probe, here.value, moved)
+            told = here.at if self.keep == "best" else probe
+            yield Step(told, here.value, moved)
 
     def _round(self, problem: Problem, here: "_Here", lines: Matrix) -> tuple["_Here", int, float]:
         """One search along every line: where it ends, the line of the largest change, and that change."""
