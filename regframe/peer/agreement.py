@@ -21,9 +21,9 @@ from regframe.preset import Level, Preset, Stage
 from regframe.transforms.warp import Warp
 
 HEAD = "| component | SimpleITK's | compared by | within | how it relates to ITK's |\n|---|---|---|---|---|"
-OPTIONS: Mapping[str, Mapping[str, Any]] = {}
-"""Options of components that have no default, for the measurement."""
-LEVEL = Level(shrink=2, smooth=1.0, iterations=12)
+OPTIONS: Mapping[str, Mapping[str, Any]] = {"exhaustive": {"number_of_steps": [1]}}
+"""What is set for the measurement: a lattice that fits into the level's iterations."""
+LEVEL = Level(shrink=2, smooth=1.0, iterations=100)
 NONE = "none"
 
 

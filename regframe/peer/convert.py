@@ -10,6 +10,7 @@ from regframe.io.convert import array_to_sitk
 from regframe.peer import (
     shipped,  # noqa: F401  # registers the twins
     twins,
+    walks,  # noqa: F401  # the same
 )
 from regframe.transforms.warp import Warp
 from regframe.types import Mask

@@ -82,12 +82,13 @@ def tell_optimizer(method: "Method", terms: Terms, iterations: int, seed: int) -
     estimators[scales]()
 
 
-def parts(stage: Stage, seed: int) -> list[Part]:
+def parts(terms: Terms, seed: int) -> list[Part]:
     """Runs of levels that SimpleITK can make in one call: equal iterations and kind of sampling."""
+    stage = terms.stage
     found: list[list[Level]] = []
     for level in stage.levels:
         last = found[-1][-1] if found else None
-        if last and (last.iterations, last.sampling) == (level.iterations, level.sampling):
+        if terms.together and last and (last.iterations, last.sampling) == (level.iterations, level.sampling):
             found[-1].append(level)
         else:
             found.append([level])

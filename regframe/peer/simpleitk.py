@@ -96,8 +96,8 @@ class _Run:
         self.spoken.append(spoken.stage)
         self.notes += spoken.notes
         self.alike &= spoken.alike
-        divided = parts(spoken.stage, self.seed)
-        if len(divided) > 1:
+        divided = parts(spoken, self.seed)
+        if spoken.together and len(divided) > 1:
             self.notes.append(AGAIN)
             self.alike = False
         depth = 0

@@ -45,12 +45,15 @@ class Terms:
         Whether both engines take the same steps; if not, only answers can be compared.
     scaled : bool
         Whether SimpleITK may be told scales; with L-BFGS-B they end the process.
+    together : bool
+        Whether one call may run several levels.
     """
 
     stage: Stage
     notes: tuple[str, ...] = field(default=())
     alike: bool = True
     scaled: bool = True
+    together: bool = True
 
 
 @singledispatch

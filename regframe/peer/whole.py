@@ -118,19 +118,25 @@ def compare(runs: Runs, frames: Sequence[Warp], unit: str) -> tuple[list[Line], 
     else:
         why = f"{'; '.join(runs.simpleitk.provenance['notes'])}; see {SAID_OTHERWISE}"
         lines.append(incomparable(FLOOR, "corners along the way, at each iteration", why))
-    lines.append(_stops(runs.native, runs.simpleitk))
+    lines.append(_stops(runs))
     return lines, course
 
 
 SAID_OTHERWISE = "docs/explanation/agreement.md#said-otherwise"
 
 
-def _stops(ours: Result, theirs: Result) -> Line:
+def _stops(runs: Runs) -> Line:
     """Iterations of each level, with both reasons where they are not the same."""
-    pairs = list(zip(ours.levels, theirs.levels, strict=True))
-    gap = max(abs(one.iterations - other.iterations) for one, other in pairs)
+    what = "iterations of each level"
+    ours, theirs = runs.native.levels, () if runs.simpleitk is None else runs.simpleitk.levels
+    pairs = list(zip(ours, theirs, strict=True))
     reasons = {one.stop if one.stop == other.stop else f"{one.stop}; {other.stop}" for one, other in pairs}
-    return measured(FLOOR, "iterations of each level", gap, 0, "iterations", why=" | ".join(sorted(reasons)))
+    why = " | ".join(sorted(reasons))
+    if not runs.alike:
+        return incomparable(FLOOR, what, why)
+    gap = max(abs(one.iterations - other.iterations) for one, other in pairs)
+    # SimpleITK tells nobody of a step in the very iteration that stops.
+    return measured(FLOOR, what, gap, 1, "iterations", why=why)
 
 
 def _course(ours: Result, theirs: Result, frames: Sequence[Warp]) -> Course:

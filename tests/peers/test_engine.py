@@ -52,7 +52,7 @@ def test_both_engines_end_at_the_same_map(name):
     evolves = all(isinstance(stage.optimizer, OnePlusOne) for stage in chosen.stages)
     # Slopes differ in their last bits, and every turn of a descent depends on the sign of one.
     assert apart(ours.warp, theirs.warp) <= (1e-6 if evolves else 1e-4)
-    assert len(ours.trace) == len(theirs.trace)
+    assert abs(len(ours.trace) - len(theirs.trace)) <= len(ours.levels)
 
 
 @pytest.mark.parametrize("name", ["paper-similarity", "paper-affine"])
