@@ -27,8 +27,13 @@ TRANSFORMS: "Registry[Transform]" = Registry(
     {
         "affine": "regframe.transforms.affine:Affine",
         "rigid": "regframe.transforms.rigid:Rigid",
+        "scale": "regframe.transforms.scale:Scale",
+        "scale-skew-versor": "regframe.transforms.scale_skew_versor:ScaleSkewVersor",
+        "scale-versor": "regframe.transforms.scale_versor:ScaleVersor",
         "similarity": "regframe.transforms.similarity:Similarity",
         "translation": "regframe.transforms.translation:Translation",
+        "versor": "regframe.transforms.versor:Versor",
+        "versor-rigid": "regframe.transforms.versor_rigid:VersorRigid",
     },
 )
 

@@ -35,7 +35,7 @@ def coordinates(
 ) -> tuple[Coordinates, Params]:
     """The level's coordinates and where in them it begins.
 
-    With ``scales = "shift"`` one unit of every coordinate moves some corner of the fixed grid by one
+    The level begins at parameters in the family's domain, as ITK's levels do. With ``scales = "shift"`` one unit of every coordinate moves some corner of the fixed grid by one
     pixel (or mm). Otherwise coordinates are the parameters themselves and ITK's scales go along.
 
     Raises
@@ -45,6 +45,7 @@ def coordinates(
     GeometryError
         A parameter that moves nothing.
     """
+    params = stage.transform.advance(params, np.zeros_like(params))
     count, plain = len(params), np.ones_like(params)
     if stage.scales == "shift":
         unit = stage.transform.shift(params, frame)
@@ -74,10 +75,9 @@ def _itk_scales(
         slopes = _jacobian(transform, params, corners, frame)
         return np.asarray((slopes**2).sum(axis=2).mean(axis=1))
     shifts = np.empty_like(params)
-    for i in range(len(params)):
-        moved = params.copy()
-        moved[i] += VARIATION
-        shifts[i] = _largest(kind, transform, (params, moved), corners, frame, moving)
+    for i, step in enumerate(VARIATION * np.eye(len(params))):
+        varied = transform.advance(params, step)
+        shifts[i] = _largest(kind, transform, (params, varied), corners, frame, moving)
     eps = float(np.finfo(np.float64).eps)
     if not np.any(shifts > eps):
         message = f"No parameter moves anything, so {kind!r} has no scale to give. Give `scales` as a list."
@@ -134,5 +134,5 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
     # ITK measures a small step and scales the answer; far steps of a rotation would fold back.
     small = VARIATION / largest if isinstance(stage.scales, str) and stage.scales != "shift" else 1.0
     kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
-    between = (params, params + step * small)
+    between = (params, stage.transform.advance(params, step * small))
     return _largest(kind, stage.transform, between, corners, frame, moving) / small

@@ -5,6 +5,7 @@ import SimpleITK as sitk
 
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
+from regframe.transforms import itk
 from regframe.transforms.warp import Warp
 
 INTERPOLATORS = {"nearest": sitk.sitkNearestNeighbor, "linear": sitk.sitkLinear} | {
@@ -30,15 +31,9 @@ def mask(ours: Image) -> sitk.Image:
 def transform(warp: Warp) -> sitk.Transform:
     """The same parameters about the same centre."""
     dim = warp.frame.dim
-    kinds = {
-        "Translation": lambda: sitk.TranslationTransform(dim),
-        "Rigid": sitk.Euler2DTransform,
-        "Similarity": sitk.Similarity2DTransform,
-        "Affine": lambda: sitk.AffineTransform(dim),
-    }
-    theirs = kinds[type(warp.transform).__name__]()
-    if hasattr(theirs, "SetCenter"):
-        theirs.SetCenter(warp.frame.centre.tolist())
+    kind = itk.KINDS[type(warp.transform), dim]
+    theirs = getattr(sitk, kind)(*((dim,) if kind in itk.EITHER else ()))
+    theirs.SetFixedParameters(itk.fixed_parameters(warp.transform, warp.frame.centre))
     theirs.SetParameters(warp.params.tolist())
     return theirs
 
