@@ -26,9 +26,7 @@ def euler_slopes(angles_rad: Params, order: Order) -> Volume:
     """Derivatives of `euler` by each angle, (3, 3, 3)."""
     slopes = np.empty((3, 3, 3))
     for turned in range(3):
-        first, second, third = (
-            _about(axis, angles_rad[axis])[int(axis == turned)] for axis in _axes(order)
-        )
+        first, second, third = (_about(axis, angles_rad[axis])[int(axis == turned)] for axis in _axes(order))
         slopes[turned] = _product(_product(first, second), third)
     return slopes
 

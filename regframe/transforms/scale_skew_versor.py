@@ -49,9 +49,7 @@ class ScaleSkewVersor(Linear):
         """The map itself: the nearest rotation, scales and skews for the rest."""
         rotation = nearest_rotation(matrix)[0]
         rest = matrix - rotation
-        return np.concatenate(
-            [versor_of(rotation), translation, 1.0 + np.diag(rest), rest[ROWS, COLUMNS]]
-        )
+        return np.concatenate([versor_of(rotation), translation, 1.0 + np.diag(rest), rest[ROWS, COLUMNS]])
 
     def advance(self, params: Params, step: Params) -> Params:
         """Rotations compose, all else adds; see `turned`."""

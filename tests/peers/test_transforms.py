@@ -82,7 +82,9 @@ def test_points_go_to_the_same_places(twin, seed):
     np.testing.assert_allclose(ours(points), wanted, rtol=0, atol=ROUNDING * 1e3)
 
 
-@pytest.mark.parametrize("twin", [name for name in TWINS if not name.startswith("scale-") or "versor" in name])
+@pytest.mark.parametrize(
+    "twin", [name for name in TWINS if not name.startswith("scale-") or "versor" in name]
+)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_places_are_equal_to_the_last_bit(twin, seed):
     """The sums run in ITK's order, because the last bit decides on which side of a border a sample is.
@@ -131,7 +133,8 @@ def test_parameter_gradient_is_that_of_their_map(twin):
     np.testing.assert_allclose(got, wanted, rtol=1e-6, atol=1e-5)
 
 
-@each
+# ITK refuses to invert transforms with added scales.
+@pytest.mark.parametrize("twin", [name for name in TWINS if not name.startswith(("scale-v", "scale-s"))])
 def test_their_inverse_is_ours(twin):
     ours, theirs, points = pair(twin, 3)
 

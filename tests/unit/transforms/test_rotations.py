@@ -71,7 +71,10 @@ def test_the_nearest_rotation_of_a_mirror_image_is_no_mirror():
 
 
 def test_a_step_composes_rotations_and_adds_the_rest():
-    params, step = np.array([*versor(0.5), 1.0, 2.0]), np.array([*(0.4 * np.array([0.0, 1.0, 0.0])), 3.0, 4.0])
+    params, step = (
+        np.array([*versor(0.5), 1.0, 2.0]),
+        np.array([*(0.4 * np.array([0.0, 1.0, 0.0])), 3.0, 4.0]),
+    )
 
     moved = turned(params, step)
 
