@@ -42,8 +42,11 @@ INTERPOLATORS: "Registry[Interpolator]" = Registry(
     "regframe.interpolators.base:Interpolator",
     {
         "bspline": "regframe.interpolators.bspline:BSpline",
+        "gaussian": "regframe.interpolators.gaussian:Gaussian",
+        "label-gaussian": "regframe.interpolators.label_gaussian:LabelGaussian",
         "linear": "regframe.interpolators.linear:Linear",
         "nearest": "regframe.interpolators.nearest:Nearest",
+        "windowed-sinc": "regframe.interpolators.windowed_sinc:WindowedSinc",
     },
 )
 

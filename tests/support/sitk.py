@@ -8,9 +8,17 @@ from regframe.image import Image
 from regframe.transforms import itk
 from regframe.transforms.warp import Warp
 
-INTERPOLATORS = {"nearest": sitk.sitkNearestNeighbor, "linear": sitk.sitkLinear} | {
-    f"bspline{order}": getattr(sitk, f"sitkBSpline{order}") for order in range(1, 6)
-}
+WINDOWS = ("hamming", "cosine", "welch", "lanczos", "blackman")
+INTERPOLATORS = (
+    {
+        "nearest": sitk.sitkNearestNeighbor,
+        "linear": sitk.sitkLinear,
+        "gaussian": sitk.sitkGaussian,
+        "label-gaussian": sitk.sitkLabelGaussian,
+    }
+    | {f"bspline{order}": getattr(sitk, f"sitkBSpline{order}") for order in range(1, 6)}
+    | {f"{window}-sinc": getattr(sitk, f"sitk{window.capitalize()}WindowedSinc") for window in WINDOWS}
+)
 
 
 def image(ours: Image) -> sitk.Image:
