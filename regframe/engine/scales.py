@@ -36,7 +36,8 @@ def coordinates(
     """The level's coordinates and where in them it begins.
 
     The level begins at parameters in the family's domain, as ITK's levels do. With ``scales = "shift"``
-    one unit of every coordinate moves some corner of the fixed grid by one pixel (or mm). Otherwise coordinates are the parameters themselves and ITK's scales go along.
+    one unit of every coordinate moves some corner of the fixed grid by one pixel (or mm). Otherwise
+    coordinates are the parameters themselves and ITK's scales go along.
 
     Raises
     ------

@@ -17,7 +17,8 @@ class WindowedSinc(Interpolator):
 
     E. Meijering, W. Niessen, J. Pluim and M. Viergever, "Quantitative comparison of sinc-approximating
     kernels for medical image interpolation", MICCAI 1999; `itk::WindowedSincInterpolateImageFunction` with
-    SimpleITK's radius. Weights are not normalised, so a constant image has ripples of up to 1 %. Slopes are central differences: for resampling, and slow in a search.
+    SimpleITK's radius. Weights are not normalised, so a constant image has ripples of up to 1 %. Slopes are
+    central differences: for resampling, and slow in a search.
     """
 
     keeps_constants: ClassVar[bool] = False

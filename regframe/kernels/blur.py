@@ -45,7 +45,7 @@ def _inside(c: Values, shape: Bins) -> bool:
 @kernel
 def _taps(setting: Values) -> int:
     """No more pixels than this are within reach along an axis."""
-    return int(math.ceil(2.0 * setting[1])) + 2
+    return math.ceil(2.0 * setting[1]) + 2
 
 
 @kernel
