@@ -26,6 +26,7 @@ TRANSFORMS: "Registry[Transform]" = Registry(
     "regframe.transforms.base:Transform",
     {
         "affine": "regframe.transforms.affine:Affine",
+        "bspline": "regframe.transforms.bspline:BSpline",
         "rigid": "regframe.transforms.rigid:Rigid",
         "scale": "regframe.transforms.scale:Scale",
         "scale-skew-versor": "regframe.transforms.scale_skew_versor:ScaleSkewVersor",

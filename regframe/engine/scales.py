@@ -11,6 +11,7 @@ from regframe.transforms.base import Transform
 from regframe.types import Params, Points
 
 VARIATION = 0.01  # ITK's small parameter variation
+RADIUS = 5  # ITK's central region radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,20 +72,35 @@ def coordinates(
 def _itk_scales(
     kind: str, transform: Transform, params: Params, frame: Frame, grid: Grid, moving: Grid
 ) -> Params:
-    corners = grid.corners()
+    curved = transform.as_affine(params, frame) is None
+    points = _central_block(grid) if curved else grid.corners()
     if kind == "jacobian":
-        slopes = _jacobian(transform, params, corners, frame)
+        slopes = _jacobian(transform, params, points, frame)
         return np.asarray((slopes**2).sum(axis=2).mean(axis=1))
     shifts = np.empty_like(params)
-    for i, step in enumerate(VARIATION * np.eye(len(params))):
+    for i in range(len(params)):
+        step = np.zeros_like(params)
+        step[i] = VARIATION
         varied = transform.advance(params, step)
-        shifts[i] = _largest(kind, transform, (params, varied), corners, frame, moving)
+        shifts[i] = _largest(kind, transform, (params, varied), points, frame, moving)
     eps = float(np.finfo(np.float64).eps)
     if not np.any(shifts > eps):
         message = f"No parameter moves anything, so {kind!r} has no scale to give. Give `scales` as a list."
         raise GeometryError(message)
-    shifts = np.where(shifts <= eps, shifts[shifts > eps].min(), shifts)
-    return shifts**2 / VARIATION**2
+    least = shifts[shifts > eps].min()
+    if curved:
+        # ITK's rule for transforms with local support: one scale for all, and no square.
+        return np.full_like(params, least)
+    return np.where(shifts <= eps, least, shifts) ** 2 / VARIATION**2
+
+
+def _central_block(grid: Grid) -> Points:
+    """Points at most `RADIUS` indices from the grid's middle, where ITK measures curved transforms."""
+    ranges = [
+        np.arange(max((n - 1) // 2 - RADIUS, 0), min((n - 1) // 2 + RADIUS + 1, n)) for n in grid.shape
+    ]
+    block = np.meshgrid(*ranges, indexing="ij")
+    return grid.points(np.stack([axis.ravel() for axis in block], axis=1).astype(np.float64))
 
 
 def _largest(
@@ -124,16 +140,19 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
         The level's fixed grid and the moving image's.
     """
     level_grid, moving = grids
-    corners = level_grid.corners()
+    curved = stage.transform.as_affine(params, frame) is None
     if stage.scales == "jacobian":
-        slopes = _jacobian(stage.transform, params, corners, frame)
+        points = _central_block(level_grid) if curved else level_grid.corners()
+        slopes = _jacobian(stage.transform, params, points, frame)
         moved = np.einsum("p,pnd->nd", step, slopes)
         return float(np.sqrt((moved**2).sum(axis=1)).mean())
     largest = float(np.abs(step).max())
     if largest == 0.0:
         return 0.0
     # ITK measures a small step and scales the answer; far steps of a rotation would fold back.
-    small = VARIATION / largest if isinstance(stage.scales, str) and stage.scales != "shift" else 1.0
+    estimated = isinstance(stage.scales, str) and stage.scales != "shift"
+    small = VARIATION / largest if estimated and not curved else 1.0
     kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
     between = (params, stage.transform.advance(params, step * small))
-    return _largest(kind, stage.transform, between, corners, frame, moving) / small
+    points = level_grid.points(level_grid.all_indices()) if curved else level_grid.corners()
+    return _largest(kind, stage.transform, between, points, frame, moving) / small

@@ -53,7 +53,10 @@ class Transform(Component):
         return total
 
     def shift(self, params: Params, frame: Frame) -> Params:
-        """Hook: largest motion over the grid's corners per unit of each parameter, (p,)."""
+        """Hook: largest motion over the grid's points per unit of each parameter, (p,).
+
+        The default looks at the corners, where affine maps move most.
+        """
         corners, step = frame.grid.corners(), 1e-4
         here = self.map(params, corners, frame)
         reach = np.empty_like(params)

@@ -39,9 +39,12 @@ def mask(ours: Image) -> sitk.Image:
 def transform(warp: Warp) -> sitk.Transform:
     """The same parameters about the same centre."""
     dim = warp.frame.dim
-    kind = itk.KINDS[type(warp.transform), dim]
-    theirs = getattr(sitk, kind)(*((dim,) if kind in itk.EITHER else ()))
-    theirs.SetFixedParameters(itk.fixed_parameters(warp.transform, warp.frame.centre))
+    if type(warp.transform).__name__ == "BSpline":
+        theirs = sitk.BSplineTransform(dim, warp.transform.order)
+    else:
+        kind = itk.KINDS[type(warp.transform), dim]
+        theirs = getattr(sitk, kind)(*((dim,) if kind in itk.EITHER else ()))
+    theirs.SetFixedParameters(itk.fixed_parameters(warp.transform, warp.frame))
     theirs.SetParameters(warp.params.tolist())
     return theirs
 
