@@ -76,13 +76,13 @@ def _itk_scales(
     points = _central_block(grid) if curved else grid.corners()
     if kind == "jacobian":
         slopes = _jacobian(transform, params, points, frame)
-        return np.asarray((slopes**2).sum(axis=2).mean(axis=1))
-    shifts = np.empty_like(params)
+        return _moving_all(np.asarray((slopes**2).sum(axis=2).mean(axis=1)), kind)
+    shifts, here = np.empty_like(params), transform.map(params, points, frame)
     for i in range(len(params)):
         step = np.zeros_like(params)
         step[i] = VARIATION
-        varied = transform.advance(params, step)
-        shifts[i] = _largest(kind, transform, (params, varied), points, frame, moving)
+        there = transform.map(transform.advance(params, step), points, frame)
+        shifts[i] = _largest(kind, here, there, moving)
     eps = float(np.finfo(np.float64).eps)
     if not np.any(shifts > eps):
         message = f"No parameter moves anything, so {kind!r} has no scale to give. Give `scales` as a list."
@@ -96,23 +96,24 @@ def _itk_scales(
 
 def _central_block(grid: Grid) -> Points:
     """Points at most `RADIUS` indices from the grid's middle, where ITK measures curved transforms."""
-    ranges = [
-        np.arange(max((n - 1) // 2 - RADIUS, 0), min((n - 1) // 2 + RADIUS + 1, n)) for n in grid.shape
-    ]
+    ranges = [np.arange(max((n - 1) // 2 - RADIUS, 0), min((n - 1) // 2 + RADIUS + 1, n)) for n in grid.shape]
     block = np.meshgrid(*ranges, indexing="ij")
     return grid.points(np.stack([axis.ravel() for axis in block], axis=1).astype(np.float64))
 
 
-def _largest(
-    kind: str,
-    transform: Transform,
-    between: tuple[Params, Params],
-    points: Points,
-    frame: Frame,
-    moving: Grid,
-) -> float:
+def _moving_all(scales: Params, kind: str) -> Params:
+    still = int(np.sum(scales <= np.finfo(np.float64).eps))
+    if still:
+        message = (
+            f"{still} parameters move nothing where {kind!r} looks, so they have no scale. "
+            'Write scales = "physical-shift", or a list.'
+        )
+        raise GeometryError(message)
+    return scales
+
+
+def _largest(kind: str, here: Points, there: Points, moving: Grid) -> float:
     """Largest distance between two maps of the points: physical, or in moving pixels."""
-    here, there = (transform.map(params, points, frame) for params in between)
     if kind == "index-shift":
         here, there = moving.indices(here), moving.indices(there)
     return float(np.sqrt(((there - here) ** 2).sum(axis=1)).max())
@@ -153,6 +154,7 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
     estimated = isinstance(stage.scales, str) and stage.scales != "shift"
     small = VARIATION / largest if estimated and not curved else 1.0
     kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
-    between = (params, stage.transform.advance(params, step * small))
     points = level_grid.points(level_grid.all_indices()) if curved else level_grid.corners()
-    return _largest(kind, stage.transform, between, points, frame, moving) / small
+    ends = (params, stage.transform.advance(params, step * small))
+    here, there = (stage.transform.map(end, points, frame) for end in ends)
+    return _largest(kind, here, there, moving) / small

@@ -86,7 +86,10 @@ def scatter(
                 force = forces[i, axis]
                 for a in range(count[0]):
                     for b in range(count[1]):
-                        o = U(((first[0] + a) * shape[1] + first[1] + b) * shape[2] + first[2]) + U(axis) * size
+                        o = (
+                            U(((first[0] + a) * shape[1] + first[1] + b) * shape[2] + first[2])
+                            + U(axis) * size
+                        )
                         pull = force * (w[0, a] * w[1, b])
                         for k in range(U(count[2])):
                             total[o + k] += w[2, k] * pull

@@ -58,7 +58,7 @@ class BSpline(Transform):
         partial = np.zeros((BLOCKS, len(params)))
         pulls = np.ascontiguousarray(forces, np.float64)
         share(kernels.scatter, BLOCKS, shape, self.order, indices, pulls, partial)
-        total = partial[0]
+        total: Params = partial[0]
         for block in partial[1:]:
             total = total + block
         return total

@@ -71,9 +71,9 @@ def test_slopes_are_the_same(grid, order, metric):
     if metric == "mean-squares":
         theirs.SetMetricAsMeanSquares()
 
-    got = objective(
-        fixed, moving, warp, "linear", metric=metric, gradient="filtered"
-    ).value_and_gradient(warp.params)[1]
+    got = objective(fixed, moving, warp, "linear", metric=metric, gradient="filtered").value_and_gradient(
+        warp.params
+    )[1]
 
     # A step so long that the start leaves no trace in its last bits.
     wanted = peer.derivative(theirs, fixed, moving, warp, 1e8 / np.abs(got).max())
@@ -84,9 +84,15 @@ def test_slopes_are_the_same(grid, order, metric):
 @pytest.mark.parametrize("grid", [GRIDS["camera"], GRIDS["volume"]], ids=["camera", "volume"])
 def test_scales_are_estimated_the_same(kind, grid):
     fixed, moving = peer.pair(grid.shape, np.float64, grid=grid)
-    warp = warp_over(grid, 3, 0.3)
+    frame, family = Frame.about_centre(grid), BSpline(mesh=(1,), order=3)
+    count = len(family.identity(frame))
+    warp = Warp(family, np.random.default_rng(3).uniform(-0.3, 0.3, count), frame)
     stage = Stage(
-        transform=warp.transform, interpolator="linear", metric="mattes", optimizer="one-plus-one", scales=kind
+        transform=warp.transform,
+        interpolator="linear",
+        metric="mattes",
+        optimizer="one-plus-one",
+        scales=kind,
     )
     theirs, told = peer.method(fixed, moving, "linear"), []
     theirs.SetOptimizerAsGradientDescent(1e-12, 1, -1e300, 100, theirs.Never)
