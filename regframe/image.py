@@ -109,8 +109,10 @@ def grey(colour: NDArray[Any]) -> NDArray[np.float32]:
     -------
     (ny, nx) float32, in the units of the input
     """
-    weights = np.array([0.299, 0.587, 0.114])
-    return np.asarray(colour[..., :3] @ weights, np.float32)
+    luma = np.zeros(colour.shape[:-1])
+    for channel, weight in enumerate((0.299, 0.587, 0.114)):
+        luma += np.multiply(colour[..., channel], weight, dtype=np.float64)
+    return luma.astype(np.float32)
 
 
 def as_pixels(array: NDArray[Any], name: str = "image") -> Pixels:

@@ -8,7 +8,7 @@ from regframe.engine.base import Engine, LevelReport, Progress, Result
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
-from regframe.engine.scene import prepare
+from regframe.engine.scene import Scene, prepare
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
@@ -81,37 +81,40 @@ class _Level:
                 stop = str(end.value)
                 break
             at = step.params
-            here, seconds = space.params(at), perf_counter() - began
+            place, seconds = (self.number, self.depth, count, limit), perf_counter() - began
             trace.append(
-                Progress(
-                    self.number,
-                    self.depth,
-                    count,
-                    limit,
-                    step.value,
-                    here,
-                    step.size,
-                    seconds,
-                    objective.evaluations,
-                )
+                Progress(*place, step.value, space.params(at), step.size, seconds, objective.evaluations)
             )
             yield trace[-1]
         steps.close()
-        params, walked = space.params(at), trace[before:]
-        report = LevelReport(
-            self.number,
-            self.depth,
-            scene.grid.shape,
-            len(scene.samples),
-            len(walked),
-            objective.evaluations,
-            objective.first,
-            walked[-1].value if walked else objective.first,
-            stop,
-            perf_counter() - level_began,
-            tuple(map(float, params)),
+        found = Warp(warp.transform, space.params(at), warp.frame)
+        return found, self.report(
+            scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
         )
-        return Warp(warp.transform, params, warp.frame), report
+
+    def report(
+        self,
+        scene: Scene,
+        objective: Objective,
+        found: Warp,
+        walked: list[Progress],
+        end: tuple[str, float],
+    ) -> LevelReport:
+        """What the level did, from its steps, its stop reason and its seconds."""
+        stop, seconds = end
+        return LevelReport(
+            stage=self.number,
+            level=self.depth,
+            shape=scene.grid.shape,
+            samples=len(scene.samples),
+            iterations=len(walked),
+            evaluations=objective.evaluations,
+            start_value=objective.first,
+            value=walked[-1].value if walked else objective.first,
+            stop=stop,
+            seconds=seconds,
+            params=tuple(map(float, found.params)),
+        )
 
 
 def filtered(preset: Preset, fixed: Image, moving: Image) -> tuple[Image, Image]:

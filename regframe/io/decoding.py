@@ -26,7 +26,7 @@ _READERS = {
     ".mhd": "MetaImageIO",
     ".nii": "NiftiImageIO",
 }
-_NO_REASON = re.compile(r"^(Exception thrown|Filename|Reason: |WARNING: In|\s)|^$")
+_NO_REASON = re.compile(r"^(Exception thrown|Filename|Reason: |WARNING: In|HDF5-DIAG|\s)|^$")
 _CLUTTER = re.compile(r"^(ITK ERROR: |sitk::ERROR: |\[nrrd\] )|\w+\(0x[0-9a-f]+\): ")
 
 
@@ -112,7 +112,8 @@ def _tiff(path: Path, name: str) -> NDArray[Any]:
 def _read(path: Path, name: str, reader: str = "TIFFImageIO") -> "sitk.Image":
     image, said = _attempt(path, reader)
     if image is None:
-        message = f"{name}: the file is damaged, truncated or no image ({reason(said)}). Copy it again."
+        why = reason(said).replace(str(path), path.name)
+        message = f"{name}: the file is damaged, truncated or no image ({why}). Copy it again."
         raise ImageError(message)
     return image
 
@@ -134,7 +135,7 @@ def _attempt(path: Path, reader: str = "") -> tuple["sitk.Image | None", list[st
 def reason(said: list[str]) -> str:
     """The most telling line of what SimpleITK says, without its own clutter."""
     lines = [_CLUTTER.sub("", line).strip() for line in said if not _NO_REASON.match(line)]
-    return lines[-1] if lines else "no reason given"
+    return lines[-1].rstrip(".") if lines else "no reason given"
 
 
 def _with_pillow(path: Path, name: str) -> NDArray[Any]:

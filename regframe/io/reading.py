@@ -13,6 +13,7 @@ from regframe.geometry import Grid
 from regframe.image import Image
 from regframe.io import decoding
 from regframe.io.convert import from_sitk
+from regframe.io.writing import is_there
 from regframe.types import Mask
 
 if TYPE_CHECKING:
@@ -180,7 +181,7 @@ def digest(image: Image) -> str:
 
 
 def _check_file(path: Path, name: str) -> None:
-    if not path.exists():
+    if not is_there(path):
         message = f"{name}: there is no such file. Check the path."
         raise ImageError(message)
     if path.is_dir():

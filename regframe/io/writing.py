@@ -92,7 +92,7 @@ def atomic(path: str | Path) -> Iterator[Path]:
     'whole'
     """
     target = Path(path)
-    if target.is_dir():
+    if is_there(target) and target.is_dir():
         message = f"cannot write {str(target)!r}: it is a folder. Name a file in it."
         raise OutputError(message)
     if not target.parent.is_dir():
@@ -100,6 +100,8 @@ def atomic(path: str | Path) -> Iterator[Path]:
         raise OutputError(message)
     temporary = target.with_name(f".{token_hex(4)}.{target.name.lower()}")
     try:
+        # Asking first gives the system's reason; writers have many ways to hide it.
+        temporary.touch()
         yield temporary
         temporary.replace(target)
     except OSError as error:
@@ -125,11 +127,19 @@ def refuse_existing(path: str | Path, force: bool) -> None:
     --------
     >>> refuse_existing("not-there.png", force=False)
     """
-    if Path(path).exists() and not force:
+    if not force and is_there(Path(path)):
         message = (
             f"{str(path)!r} exists already. Name another file, or add --force (force=True) to replace it."
         )
         raise OutputError(message)
+
+
+def is_there(path: Path) -> bool:
+    """Whether a path exists; a name that the file system does not take does not."""
+    try:
+        return path.exists()
+    except OSError:
+        return False
 
 
 def _suffix(path: Path) -> str:

@@ -11,6 +11,7 @@ from regframe.geometry import Frame, Grid
 from regframe.io import atomic, refuse_existing
 from regframe.io.decoding import reason
 from regframe.io.muted import muted
+from regframe.io.writing import is_there
 from regframe.transforms.affine import Affine
 from regframe.transforms.base import Transform
 from regframe.transforms.itk import EITHER, KINDS, fixed_parameters
@@ -66,6 +67,13 @@ def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
         Another suffix, the file exists and `force` is off, or it cannot be written.
     GeometryError
         A warp that is not affine.
+
+    Examples
+    --------
+    >>> frame = Frame.about_centre(Grid.of_shape((480, 640)))
+    >>> write(Warp(Rigid(), np.array([0.5, 3.0, 4.0]), frame), "warp.tfm")
+    >>> read("warp.tfm", frame.grid).params
+    array([0.5, 3. , 4. ])
     """
     import SimpleITK as sitk
 
@@ -213,7 +221,7 @@ def _from_itk(theirs: "sitk.Transform", grid: Grid, path: str) -> Warp:
 
 
 def _check_file(path: Path) -> None:
-    if not path.is_file():
+    if not (is_there(path) and path.is_file()):
         message = f"{path}: there is no such transform file. Check the path."
         raise GeometryError(message)
     if not path.name.endswith(READABLE):

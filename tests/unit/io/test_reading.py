@@ -250,6 +250,11 @@ def test_is_called_by_its_path(tmp_path):
     assert read(tmp_path / "frame.png", name="fixed").name == "fixed"
 
 
+def test_tells_a_name_that_no_file_can_have(tmp_path):
+    with pytest.raises(ImageError, match="there is no such file"):
+        read(tmp_path / f"{'x' * 300}.png")
+
+
 def test_tells_a_missing_file(tmp_path):
     with pytest.raises(ImageError, match=r"none\.png: there is no such file\. Check"):
         read(tmp_path / "none.png")
