@@ -4,19 +4,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from regframe.errors import NoTwin
 from regframe.geometry import Frame
 from regframe.interpolators.bspline import BSpline
+from regframe.interpolators.gaussian import Gaussian
+from regframe.interpolators.label_gaussian import LabelGaussian
 from regframe.interpolators.linear import Linear
 from regframe.interpolators.nearest import Nearest
+from regframe.interpolators.windowed_sinc import WindowedSinc
 from regframe.metrics.base import Pairs
 from regframe.metrics.correlation import Correlation
 from regframe.metrics.mattes import Mattes
 from regframe.metrics.mean_squares import MeanSquares
 from regframe.peer import twins
-from regframe.transforms.affine import Affine
-from regframe.transforms.rigid import Rigid
-from regframe.transforms.similarity import Similarity
-from regframe.transforms.translation import Translation
+from regframe.transforms import itk
+from regframe.transforms.base import Transform
+from regframe.transforms.bspline import BSpline as BSplineTransform
 
 if TYPE_CHECKING:
     import SimpleITK as sitk
@@ -60,32 +63,43 @@ def _(ours: Nearest) -> str:
     return "sitkNearestNeighbor"
 
 
-@twins.transform.register(Affine)
-def _(ours: Affine, frame: Frame) -> "sitk.Transform":
-    return _centred("AffineTransform", frame, frame.dim)
+@twins.interpolator.register(Gaussian)
+@twins.interpolator.register(LabelGaussian)
+def _(ours: Gaussian | LabelGaussian) -> str:
+    if ours != type(ours)():
+        message = (
+            f"SimpleITK's {type(ours).__name__} interpolator has no options, its sigma and cutoff are those "
+            f"that are default here. Got sigma {ours.sigma:g}, cutoff {ours.cutoff:g}. Leave them out."
+        )
+        raise NoTwin(message)
+    return f"sitk{type(ours).__name__}"
 
 
-@twins.transform.register(Rigid)
-def _(ours: Rigid, frame: Frame) -> "sitk.Transform":
-    return _centred("Euler2DTransform", frame)
+@twins.interpolator.register(WindowedSinc)
+def _(ours: WindowedSinc) -> str:
+    return f"sitk{ours.window.capitalize()}WindowedSinc"
 
 
-@twins.transform.register(Similarity)
-def _(ours: Similarity, frame: Frame) -> "sitk.Transform":
-    return _centred("Similarity2DTransform", frame)
-
-
-@twins.transform.register(Translation)
-def _(ours: Translation, frame: Frame) -> "sitk.Transform":
+@twins.transform.register(BSplineTransform)
+def _(ours: BSplineTransform, frame: Frame) -> "sitk.Transform":
     import SimpleITK as sitk
 
-    return sitk.TranslationTransform(frame.dim)
+    return _placed(sitk.BSplineTransform(frame.dim, ours.order), ours, frame)
 
 
-def _centred(name: str, frame: Frame, *arguments: int) -> "sitk.Transform":
+def _of_kind(ours: Transform, frame: Frame) -> "sitk.Transform":
+    """An affine family's class by the table that transform files are written with."""
     import SimpleITK as sitk
 
-    theirs = getattr(sitk, name)(*arguments)
-    theirs.SetCenter(frame.centre.tolist())
-    made: sitk.Transform = theirs
-    return made
+    kind = itk.KINDS[type(ours), frame.dim]
+    made = getattr(sitk, kind)(*((frame.dim,) if kind in itk.EITHER else ()))
+    return _placed(made, ours, frame)
+
+
+for _family in {family for family, _ in itk.KINDS}:
+    twins.transform.register(_family, _of_kind)
+
+
+def _placed(theirs: "sitk.Transform", ours: Transform, frame: Frame) -> "sitk.Transform":
+    theirs.SetFixedParameters(itk.fixed_parameters(ours, frame))
+    return theirs

@@ -29,6 +29,9 @@ from regframe.types import Params
 if TYPE_CHECKING:
     import SimpleITK as sitk
 
+NEWTON = 40
+"""Rounds of a Newton iteration with the slopes at its start, enough for steps below one."""
+
 Method: TypeAlias = "sitk.ImageRegistrationMethod"
 
 
@@ -130,10 +133,19 @@ def counted(ours: Metric, pairs: Pairs) -> int:
     return int(np.count_nonzero(pairs.weight))
 
 
-@singledispatch
 def step(ours: Transform, before: Params, after: Params) -> Params:
-    """The update that an ITK optimizer added to get from one position to the next."""
-    return after - before
+    """The step that an ITK optimizer made to get from one position to the next.
+
+    Their difference, but for families whose `advance` composes rotations: there it is solved for.
+    """
+    found = after - before
+    if type(ours).advance is Transform.advance:
+        return found
+    small = 1e-6
+    slopes = np.array([ours.advance(before, small * axis) - before for axis in np.eye(len(before))]).T / small
+    for _ in range(NEWTON):
+        found = found + np.linalg.solve(slopes, after - ours.advance(before, found))
+    return found
 
 
 def _missing(table: Mapping[Any, object], ours: Component) -> NoTwin:

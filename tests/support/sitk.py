@@ -9,9 +9,17 @@ from regframe.peer.convert import image, transform
 from regframe.peer.convert import mask as of_mask
 from regframe.transforms.warp import Warp
 
-INTERPOLATORS = {"nearest": sitk.sitkNearestNeighbor, "linear": sitk.sitkLinear} | {
-    f"bspline{order}": getattr(sitk, f"sitkBSpline{order}") for order in range(1, 6)
-}
+WINDOWS = ("hamming", "cosine", "welch", "lanczos", "blackman")
+INTERPOLATORS = (
+    {
+        "nearest": sitk.sitkNearestNeighbor,
+        "linear": sitk.sitkLinear,
+        "gaussian": sitk.sitkGaussian,
+        "label-gaussian": sitk.sitkLabelGaussian,
+    }
+    | {f"bspline{order}": getattr(sitk, f"sitkBSpline{order}") for order in range(1, 6)}
+    | {f"{window}-sinc": getattr(sitk, f"sitk{window.capitalize()}WindowedSinc") for window in WINDOWS}
+)
 
 
 def mask(ours: Image) -> sitk.Image:
