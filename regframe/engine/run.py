@@ -7,8 +7,7 @@ from typing import Any
 from regframe.engine.base import Engine, Observer, Result
 from regframe.engine.native import Native
 from regframe.errors import PresetError
-from regframe.image import Image
-from regframe.io import coerce, read_mask
+from regframe.io import coerce
 from regframe.preset import Preset, load, parse
 from regframe.transforms.warp import Chain, Warp
 
@@ -87,8 +86,3 @@ def _engine(engine: str | Engine) -> Engine:
         message = f"no engine is called {engine!r}. Known: {', '.join(ENGINES)}."
         raise PresetError(message)
     return ENGINES[engine]()
-
-
-def masked(image: Image, mask: str | Path | None) -> Image:
-    """The image with the mask of a file, or as it is."""
-    return image if mask is None else image.with_mask(read_mask(mask, image.grid))
