@@ -118,7 +118,7 @@ def _descent(theirs: sitk.ImageRegistrationMethod, ours: Optimizer, iterations: 
 
 
 def _scales(theirs: sitk.ImageRegistrationMethod, stage: Stage) -> None:
-    if stage.scales == "shift":  # only for optimizers that take no scales
+    if stage.scales == "shift":  # only where parameters are pixels already, or scales are not used
         return
     if isinstance(stage.scales, tuple):
         theirs.SetOptimizerScales(list(stage.scales))
