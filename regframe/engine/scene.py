@@ -7,9 +7,9 @@ import numpy as np
 
 from regframe.engine.sampling import draw
 from regframe.errors import NoOverlapError
-from regframe.geometry import Grid
+from regframe.geometry import AffineMap, Grid
 from regframe.image import Image
-from regframe.interpolators.base import Samples
+from regframe.interpolators.base import Samples, mapped
 from regframe.interpolators.nearest import Nearest
 from regframe.kernels.gaussian import smooth
 from regframe.kernels.rounding import round_single
@@ -75,15 +75,12 @@ def prepare(stage: Stage, level: Level, fixed: Image, moving: Image, seed: int) 
     fixed, moving = smoothed(fixed, level.smooth), smoothed(moving, level.smooth)
     samples, seed = draw(level, grid, seed)
     interpolator = stage.interpolator
-    # Fixed intensities take the long way through physical points: it has ITK's order of operations, and
-    # integer grey levels on histogram edges need its last bit. It runs once a level.
-    indices = fixed.grid.indices(grid.points(samples.all_indices()))
-    at = Samples(fixed.grid.shape, indices)
-    values, weight = interpolator.resample(interpolator.prepare(_volume(fixed)), at, None)
+    index_map, at = _exact_places(grid, samples, fixed.grid)
+    values, weight = interpolator.resample(interpolator.prepare(_volume(fixed)), at, index_map)
     if fixed.rounds:
         round_single(values)
     if fixed.mask is not None:
-        weight = weight * Nearest().resample(fixed.mask.astype(np.float64), at, None)[0]
+        weight = weight * Nearest().resample(fixed.mask.astype(np.float64), at, index_map)[0]
     if not weight.any():
         message = (
             f"{fixed.name}: none of the {len(samples)} samples counts. "
@@ -98,11 +95,24 @@ def prepare(stage: Stage, level: Level, fixed: Image, moving: Image, seed: int) 
             weight,
             moving,
             interpolator.prepare(_volume(moving)),
-            fixed.range() if samples.indices is None else _sampled_range(fixed, indices, weight),
+            fixed.range() if samples.indices is None else _sampled_range(fixed, at.all_indices(), weight),
             moving.range(),
         ),
         seed,
     )
+
+
+def _exact_places(grid: Grid, samples: Samples, fixed: Grid) -> tuple[AffineMap | None, Samples]:
+    """Where samples lie in the fixed image, to ITK's last bit.
+
+    Integer grey levels on histogram edges need that bit, and only the long way through physical points
+    has it. Where one affine map gives the same numbers, as on camera grids, it is the quick way to them.
+    """
+    indices = fixed.indices(grid.points(samples.all_indices()))
+    index_map = (fixed.point_to_index @ grid.index_to_point).reversed_axes()
+    if samples.indices is None and np.array_equal(mapped(samples, index_map), indices):
+        return index_map, samples
+    return None, Samples(fixed.shape, indices)
 
 
 def _volume(image: Image) -> Volume:

@@ -92,7 +92,7 @@ def atomic(path: str | Path) -> Iterator[Path]:
     'whole'
     """
     target = Path(path)
-    if target.is_dir():
+    if is_there(target) and target.is_dir():
         message = f"cannot write {str(target)!r}: it is a folder. Name a file in it."
         raise OutputError(message)
     if not target.parent.is_dir():

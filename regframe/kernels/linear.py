@@ -12,6 +12,7 @@ from regframe.types import Bins, Indices, Matrix, Values, Volume
 U = np.uint64
 RUN = 256
 CHUNK = 64
+ELSEWHERE = -1.0  # in place of a corner: outside the image, or in its outer half pixel
 
 
 @kernel
@@ -104,29 +105,40 @@ def resample(
 
 
 @kernel
-def _locate(
-    row: int, left: int, count: int, grid: Bins, shape: Bins, matrix: Matrix, t: Matrix, base: Bins
+def _locate_plane(row: int, left: int, shape: Bins, matrix: Matrix, t: Matrix, base: Values) -> None:
+    """A chunk's first corners, and the ways (x, y) from them; ELSEWHERE outside and at borders."""
+    last_y, last_x, width = np.float64(shape[1] - 1), np.float64(shape[2] - 1), np.float64(shape[2])
+    mx, my, x1, y1 = matrix[2, 2], matrix[1, 2], matrix[2, 1] * row, matrix[1, 1] * row
+    x3, y3, tx, ty = matrix[2, 3], matrix[1, 3], t[2], t[1]
+    for k in range(CHUNK):
+        x = np.float64(left + k)
+        cx, cy = (mx * x + x1) + x3, (my * x + y1) + y3
+        floor_x, floor_y = np.floor(cx), np.floor(cy)
+        inner = (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y)
+        tx[k], ty[k] = cx - floor_x, cy - floor_y
+        base[k] = floor_y * width + floor_x if inner else ELSEWHERE
+
+
+@kernel
+def _locate_space(
+    row: int, left: int, grid: Bins, shape: Bins, matrix: Matrix, t: Matrix, base: Values
 ) -> None:
-    """First corner's place in memory and the way from it, z y x; negative where outside or at a border."""
+    """The same in 3-D."""
     z, y = np.float64(row // grid[1]), np.float64(row % grid[1])
-    tz, ty, tx = t[0], t[1], t[2]
+    last_z, last_y, last_x = np.float64(shape[0] - 1), np.float64(shape[1] - 1), np.float64(shape[2] - 1)
+    plane, width = np.float64(shape[1] * shape[2]), np.float64(shape[2])
     mz, my, mx = matrix[0, 2], matrix[1, 2], matrix[2, 2]
     z1, y1, x1 = matrix[0, 1] * y, matrix[1, 1] * y, matrix[2, 1] * y
     z2, y2, x2 = matrix[0, 0] * z, matrix[1, 0] * z, matrix[2, 0] * z
     z3, y3, x3 = matrix[0, 3], matrix[1, 3], matrix[2, 3]
-    last_z, last_y, last_x = np.float64(shape[0] - 1), np.float64(shape[1] - 1), np.float64(shape[2] - 1)
-    if shape[0] == 1:
-        last_z = 0.5
-    plane, width = shape[1] * shape[2], shape[2]
-    for k in range(U(count)):
-        x = np.float64(left) + np.float64(k)
+    tz, ty, tx = t[0], t[1], t[2]
+    for k in range(CHUNK):
+        x = np.float64(left + k)
         cx, cy, cz = ((mx * x + x1) + x2) + x3, ((my * x + y1) + y2) + y3, ((mz * x + z1) + z2) + z3
+        floor_x, floor_y, floor_z = np.floor(cx), np.floor(cy), np.floor(cz)
         inner = (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y) & (cz >= 0.0) & (cz < last_z)
-        cx, cy, cz = (cx if inner else 0.0), (cy if inner else 0.0), (cz if inner else 0.0)
-        fx, fy, fz = np.floor(cx), np.floor(cy), np.floor(cz)
-        tx[k], ty[k], tz[k] = cx - fx, cy - fy, cz - fz
-        place = np.int64(np.int32(fz)) * plane + np.int64(np.int32(fy)) * width + np.int64(np.int32(fx))
-        base[k] = place if inner else -1
+        tx[k], ty[k], tz[k] = cx - floor_x, cy - floor_y, cz - floor_z
+        base[k] = (floor_z * plane + floor_y * width) + floor_x if inner else ELSEWHERE
 
 
 @kernel
@@ -143,19 +155,22 @@ def resample_grid(
     """`resample` of order 1 for whole grids, the same bits; one loop finds places and vectorises."""
     flat, shape = volume.ravel(), np.array(volume.shape)
     plane, width = U(shape[1] * shape[2]), U(shape[2])
-    t, base, at, c = np.empty((3, CHUNK)), np.empty(CHUNK, np.int64), np.empty(3), np.empty(3)
+    t, base, at, c = np.empty((3, CHUNK)), np.empty(CHUNK), np.empty(3), np.empty(3)
     none = np.empty((0, 3))
+    planar = shape[0] == 1 and grid[0] == 1 and matrix[0, 3] == 0.0
     for row in range(first, last):
         for left in range(0, grid[2], CHUNK):
-            count = min(CHUNK, grid[2] - left)
-            _locate(row, left, count, grid, shape, matrix, t, base)
+            if planar:
+                _locate_plane(row, left, shape, matrix, t, base)
+            else:
+                _locate_space(row, left, grid, shape, matrix, t, base)
             out = U(row * grid[2] + left)
-            for k in range(U(count)):
+            for k in range(U(min(CHUNK, grid[2] - left))):
                 weight = 1.0
-                if base[k] >= 0:
-                    o, tx, ty = U(base[k]), t[2, k], t[1, k]
+                if base[k] >= 0.0:
+                    o, tx, ty = U(np.int64(base[k])), t[2, k], t[1, k]
                     value = _blend(flat, o, width, tx, ty)
-                    if shape[0] > 1:
+                    if not planar:
                         value += (_blend(flat, o + plane, width, tx, ty) - value) * t[0, k]
                 else:
                     _start(row, row * grid[2] + left + np.int64(k), grid, none, at)

@@ -32,6 +32,7 @@ def moments(
     n = len(moving)
     for block in range(first, last):
         cells = partial[block].ravel()
+        cells[:] = 0.0
         for i in range(U(n * block // len(partial)), U(n * (block + 1) // len(partial))):
             value, share = moving[i], weight[i]
             if share == 0.0 or value < low or value > high:

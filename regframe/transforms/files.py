@@ -11,6 +11,7 @@ from regframe.geometry import Frame, Grid
 from regframe.io import atomic, refuse_existing
 from regframe.io.decoding import reason
 from regframe.io.muted import muted
+from regframe.io.writing import is_there
 from regframe.transforms.affine import Affine
 from regframe.transforms.base import Transform
 from regframe.transforms.rigid import Rigid
@@ -225,7 +226,7 @@ def _from_itk(theirs: "sitk.Transform", grid: Grid, path: str) -> Warp:
 
 
 def _check_file(path: Path) -> None:
-    if not path.is_file():
+    if not (is_there(path) and path.is_file()):
         message = f"{path}: there is no such transform file. Check the path."
         raise GeometryError(message)
     if not path.name.endswith(READABLE):

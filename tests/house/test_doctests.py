@@ -1,5 +1,6 @@
 """Examples in docstrings run; every public function has one."""
 
+import ast
 import doctest
 from importlib import import_module
 from inspect import getdoc, isfunction
@@ -9,14 +10,11 @@ import pytest
 import regframe
 from house.source import modules, tree
 
-# Pages set up files that these examples only talk of; `tests/house/test_pages.py` runs the same calls.
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
 def with_examples() -> list[str]:
     """Modules whose text holds a prompt."""
-    import ast
-
     return [name for name in modules() if ">>> " in ast.unparse(tree(name))]
 
 

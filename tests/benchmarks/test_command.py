@@ -1,0 +1,115 @@
+"""The whole command against a minimal SimpleITK script: start-up and files included.
+
+``pytest -m slow tests/benchmarks -s`` prints the figures. Commands are run in turn, medians compared. Targets
+are for two idle cores; a test fails at half a target (twice a time), because machines are shared.
+"""
+
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from regframe.io import write
+from regframe.testing.phantoms import visual_thermal
+
+pytestmark = pytest.mark.slow
+
+ROUNDS = 3
+SCRIPT = Path(__file__).with_name("peer_script.py")
+
+
+@pytest.fixture(scope="module")
+def frames(tmp_path_factory):
+    """A visual and a thermal frame of 640 x 480, as files."""
+    folder = tmp_path_factory.mktemp("frames")
+    pair = visual_thermal(seed=1, shape=(480, 640), thermal_shape=(480, 640))
+    for name, image in (("visual.png", pair.fixed), ("thermal.png", pair.moving)):
+        write(image.raw, image.grid, folder / name)
+    return folder / "visual.png", folder / "thermal.png"
+
+
+def seconds(command: list[str], **environment: str) -> float:
+    began = time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True, env={**os.environ, **environment})
+    return time.perf_counter() - began
+
+
+def ours(frames, out, *options: str) -> list[str]:
+    return [
+        *(sys.executable, "-m", "regframe", "register", *map(str, frames)),
+        *("--preset", "paper-similarity", "--out", str(out), "--force", "--quiet", *options),
+    ]
+
+
+def told(capsys, text: str) -> None:
+    with capsys.disabled():
+        print(f"\n{text}")
+
+
+@pytest.mark.parametrize(
+    ("options", "target"), [(["--no-figures"], 5.0), ([], 3.5)], ids=["bare", "pictures"]
+)
+def test_command_is_faster_than_a_script_by(options, target, frames, tmp_path, capsys):
+    peer = [sys.executable, str(SCRIPT), *map(str, frames), str(tmp_path)]
+    command = ours(frames, tmp_path / "out", *options)
+    seconds(command)
+
+    rounds = [(seconds(peer), seconds(command)) for _ in range(ROUNDS)]
+
+    theirs, mine = (statistics.median(column) for column in zip(*rounds, strict=True))
+    ratio = statistics.median(a / b for a, b in rounds)
+    times = f"{theirs:.2f} s / {mine:.2f} s = {ratio:.1f}x"
+    told(capsys, f"paper-similarity {' '.join(options)}: {times}, target {target}x")
+    assert ratio >= target / 2
+
+
+def test_peak_memory_is_below_400_megabytes(frames, tmp_path, capsys):
+    probe = (
+        "import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True, capture_output=True);"
+        "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
+    )
+
+    out = subprocess.run(
+        [sys.executable, "-c", probe, *ours(frames, tmp_path / "out")], check=True, capture_output=True
+    )
+
+    megabytes = int(out.stdout) / (1024 if sys.platform != "darwin" else 1024**2)
+    told(capsys, f"peak memory with all pictures: {megabytes:.0f} MB")
+    assert megabytes < 400
+
+
+def test_first_run_compiles_within_8_seconds(frames, tmp_path, capsys):
+    cache = tmp_path / "cache"
+    command = ours(frames, tmp_path / "out", "--no-figures")
+
+    colds, warms = [], []
+    for _ in range(2):
+        shutil.rmtree(cache, ignore_errors=True)
+        colds.append(seconds(command, NUMBA_CACHE_DIR=str(cache)))
+        warms.append(seconds(command, NUMBA_CACHE_DIR=str(cache)))
+
+    extra = statistics.median(cold - warm for cold, warm in zip(colds, warms, strict=True))
+    told(capsys, f"first run ever: {extra:.1f} s longer than a warm one, target 8 s")
+    assert extra < 2 * 8
+
+
+@pytest.mark.parametrize(
+    ("code", "target"),
+    [("import regframe", 0.15), ("import sys; from regframe.cli.main import run; run(['--help'])", 0.4)],
+    ids=["import", "help"],
+)
+def test_start_up_is_below(code, target, capsys):
+    empty = [sys.executable, "-c", "pass"]
+    command = [sys.executable, "-c", code]
+    seconds(command)
+
+    took = statistics.median(seconds(command) for _ in range(9))
+
+    what, bare = code.split(";")[-1].strip(), seconds(empty)
+    told(capsys, f"{what}: {took:.3f} s, of which python {bare:.3f} s, target {target} s")
+    assert took < 2 * target
