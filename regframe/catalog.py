@@ -46,7 +46,18 @@ OPTIMIZERS: "Registry[Optimizer]" = Registry(
     "optimizer",
     "regframe.optimizers.base:Optimizer",
     {
+        "amoeba": "regframe.optimizers.amoeba:Amoeba",
+        "conjugate-gradient-line-search": (
+            "regframe.optimizers.conjugate_gradient_line_search:ConjugateGradientLineSearch"
+        ),
+        "exhaustive": "regframe.optimizers.exhaustive:Exhaustive",
+        "gradient-descent": "regframe.optimizers.gradient_descent:GradientDescent",
+        "gradient-descent-line-search": (
+            "regframe.optimizers.gradient_descent_line_search:GradientDescentLineSearch"
+        ),
+        "lbfgsb": "regframe.optimizers.lbfgsb:Lbfgsb",
         "one-plus-one": "regframe.optimizers.one_plus_one:OnePlusOne",
+        "powell": "regframe.optimizers.powell:Powell",
         "regular-step-gradient-descent": (
             "regframe.optimizers.regular_step_gradient_descent:RegularStepGradientDescent"
         ),

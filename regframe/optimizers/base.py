@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,9 @@ class Optimizer(Component):
 
     An optimizer knows no iteration limit, no clock and no image: the engine slices the generator.
     """
+
+    scans: ClassVar[bool] = False
+    """Whether it only measures positions laid out about the start, and finds nothing beyond them."""
 
     @abstractmethod
     def steps(self, problem: Problem, start: Params, rng: Normals) -> Generator[Step, None, str]:

@@ -8,10 +8,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from regframe.optimizers.base import Normals, Optimizer, Problem, Step
+from regframe.optimizers.descent import Keep, MaximumStep, dot, effective, learning_rate, length
 from regframe.types import Params
-
-_ALIKE = 0.01
-"""ITK takes scales that differ from 1 by no more than this for ones."""
 
 
 @final
@@ -54,22 +52,8 @@ class RegularStepGradientDescent(Optimizer):
             "once means at the first iteration of each level."
         ),
     )
-    maximum_step: float = Field(
-        1.0,
-        gt=0,
-        allow_inf_nan=False,
-        description=(
-            "Largest motion over the grid, in pixels (or mm), of a step whose learning rate is estimated. "
-            "ITK's default is the spacing of the coarsest level's grid."
-        ),
-    )
-    keep: Literal["best", "last"] = Field(
-        "best",
-        description=(
-            "Which position to report: the best one measured, never worse than the start, at the price of "
-            "one more evaluation a level; or the last one, as ITK does, which can be slightly worse."
-        ),
-    )
+    maximum_step: MaximumStep = 1.0
+    keep: Keep = "best"
 
     @model_validator(mode="after")
     def _steps_fit(self) -> Self:
@@ -88,7 +72,7 @@ class RegularStepGradientDescent(Optimizer):
         position after the move and the value before it, as ITK's events tell. `Step.size` is the length
         of the move.
         """
-        factors = _factors(problem.scales)
+        factors = 1.0 / effective(problem.scales)
         here = np.array(start, dtype=np.float64)
         value, uphill = problem.value_and_gradient(here)
         best, lowest = here, value
@@ -97,18 +81,19 @@ class RegularStepGradientDescent(Optimizer):
         estimate = self.estimate_learning_rate != "never"
         while True:
             slope = -uphill * factors
-            steepness = math.sqrt(_dot(slope, slope))
+            steepness = length(slope)
             reason = self._too_flat(steepness)
             if reason:
                 return reason
-            if _dot(slope, before * factors) < 0.0:
+            if dot(slope, before * factors) < 0.0:
                 relaxation *= self.relaxation
             if relaxation * rate < self.minimum_step:
                 return (
                     f"the step {relaxation * rate:.3g} has fallen below minimum_step ({self.minimum_step:g})"
                 )
             if estimate:
-                rate = self._rate(problem, here, slope, steepness)
+                # For the slope brought to length one, so that its size does not matter.
+                rate = learning_rate(problem, here, slope / steepness, self.maximum_step, otherwise=steepness)
                 estimate = self.estimate_learning_rate == "each-iteration"
             before = slope * relaxation * rate
             here = here + before * (1.0 / steepness)
@@ -130,20 +115,3 @@ class RegularStepGradientDescent(Optimizer):
                 f"the slope {steepness:.3g} has fallen below gradient_tolerance ({self.gradient_tolerance:g})"
             )
         return ""
-
-    def _rate(self, problem: Problem, here: Params, slope: Params, steepness: float) -> float:
-        """The learning rate whose unrelaxed step moves the grid by `maximum_step` at most."""
-        motion = problem.motion(here, slope / steepness)
-        return self.maximum_step / motion if motion > np.finfo(np.float64).eps else steepness
-
-
-def _factors(scales: Params) -> Params:
-    """What ITK multiplies slopes by: the inverse scales, or ones where all scales are nearly one."""
-    if np.all(np.abs(scales - 1.0) <= _ALIKE):
-        return np.ones_like(scales)
-    return 1.0 / scales
-
-
-def _dot(left: Params, right: Params) -> float:
-    """The inner product, exactly summed."""
-    return math.fsum(left * right)

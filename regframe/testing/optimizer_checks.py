@@ -143,6 +143,7 @@ def check_never_worse_than_its_start(optimizer: Optimizer) -> None:
 
 def check_ends_at_the_bottom_of_a_bowl(optimizer: Optimizer) -> None:
     """From ten pixels off, the walk ends within half a pixel of the bottom, in 2, 4 and 6 parameters."""
+    _must_walk(optimizer)
     for dim in (2, 4, 6):
         start = np.resize(START, dim)
         steps, reason = walk(optimizer, Bowl(dim), start)
@@ -156,6 +157,7 @@ def check_ends_at_the_bottom_of_a_bowl(optimizer: Optimizer) -> None:
 
 def check_walks_a_curved_valley(optimizer: Optimizer) -> None:
     """On Rosenbrock's valley the walk gets to a third of its first height."""
+    _must_walk(optimizer)
     start, problem = np.array([-1.2, 1.0]), Valley()
     before = float(problem.values(start[None])[0])
     steps, reason = walk(optimizer, problem, start)
@@ -240,6 +242,12 @@ CHECKS = (
     check_names_its_stop_reason,
     check_leaves_its_start_alone,
 )
+
+
+def _must_walk(optimizer: Optimizer) -> None:
+    if optimizer.scans:
+        message = "the optimizer scans positions near its start, and does not walk"
+        raise NotApplicable(message)
 
 
 def _end(steps: list[Step], start: Params) -> Params:

@@ -10,6 +10,9 @@ OPTIONS = {"window": {"low": 20.0, "high": 80.0}}
 # Settings that run other code than the defaults do.
 VARIANTS = [(INTERPOLATORS, {"type": "bspline", "order": order}) for order in (0, 1, 2, 4, 5)] + [
     (METRICS, {"type": "mattes", "bins": 12}),
+    (OPTIMIZERS, {"type": "conjugate-gradient-line-search", "estimate_learning_rate": "never"}),
+    (OPTIMIZERS, {"type": "gradient-descent", "estimate_learning_rate": "each-iteration"}),
+    (OPTIMIZERS, {"type": "lbfgsb", "lower": -9.0, "upper": 9.0}),
     (OPTIMIZERS, {"type": "one-plus-one", "variates": "numpy", "radius": 1.0}),
     (OPTIMIZERS, {"type": "regular-step-gradient-descent", "estimate_learning_rate": "once"}),
 ]

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import SimpleITK as sitk
 
 from regframe.optimizers.one_plus_one import OnePlusOne
 from regframe.transforms.similarity import Similarity
@@ -14,14 +13,7 @@ from support.sitk_problems import SitkProblem, path
 START = [1.04, -0.03, 6.0, -5.0]  # the images are aligned at the identity
 SCALES = [([1.0, 1.0, 1.0, 1.0], 0.05), ([1.0, 1.0, 1e-3, 1e-3], 4e-3), ([1400.0, 1500.0, 1.0, 1.0], 2.0)]
 
-
-@pytest.fixture(autouse=True)
-def one_thread():
-    """The number of threads moves the last bit of SimpleITK's values."""
-    before = sitk.ProcessObject.GetGlobalDefaultNumberOfThreads()
-    sitk.ProcessObject.SetGlobalDefaultNumberOfThreads(1)
-    yield
-    sitk.ProcessObject.SetGlobalDefaultNumberOfThreads(before)
+pytestmark = pytest.mark.usefixtures("one_thread")
 
 
 def problem(scales: list[float]) -> SitkProblem:

@@ -6,7 +6,9 @@ import pytest
 from regframe.engine.native import Native
 from regframe.engine.start import begin
 from regframe.geometry import Grid
+from regframe.image import Image
 from regframe.preset import parse
+from regframe.transforms.warp import Warp
 from support import runs
 from support import sitk as peer
 
@@ -101,6 +103,83 @@ def test_descent_with_given_scales(gradient, metric):
     ours, theirs = both(chosen, fixed, moving)
 
     np.testing.assert_allclose(ours.warp.params, theirs.final, rtol=0, atol=1e-9)
+
+
+OTHERS = [
+    {"type": "gradient-descent", "learning_rate": 2.0, "estimate_learning_rate": "never", "keep": "last"},
+    {"type": "gradient-descent-line-search", "estimate_learning_rate": "never", "keep": "itk"},
+    {"type": "conjugate-gradient-line-search", "estimate_learning_rate": "never", "keep": "itk"},
+    {"type": "powell", "keep": "last"},
+    {"type": "exhaustive", "number_of_steps": [0, 1, 1, 2], "step_length": 0.4},
+]
+
+
+@pytest.mark.parametrize("optimizer", OTHERS, ids=lambda options: options["type"])
+def test_other_optimizers(optimizer):
+    fixed, moving = peer.pair((48, 60), np.float64)
+    count = 45 if optimizer["type"] == "exhaustive" else 3
+    levels = [{**level, "iterations": count} for level in LEVELS[1:]]
+    if "line-search" in optimizer["type"]:
+        # ITK's second level would begin with the rate that the first one's last search has found.
+        levels = levels[:1]
+    # A lattice's scales multiply, those of all others divide.
+    scales = [1.0, 0.01, 1.0, 1.0] if optimizer["type"] == "exhaustive" else [400.0, 400.0, 1.0, 1.0]
+
+    ours, theirs = both(preset(optimizer=optimizer, levels=levels, scales=scales), fixed, moving)
+
+    np.testing.assert_allclose(ours.warp.params, theirs.final, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("optimizer", OTHERS[:3], ids=lambda options: options["type"])
+def test_other_descents_with_estimated_scales(optimizer):
+    fixed, moving = peer.pair((48, 60), np.float64)
+    # ITK's largest step is the spacing of the coarsest grid.
+    chosen = preset(
+        optimizer={**optimizer, "estimate_learning_rate": "once", "maximum_step": 2.0},
+        scales="physical-shift",
+        levels=[{**level, "iterations": 3} for level in LEVELS[1:]],
+    )
+
+    ours, theirs = both(chosen, fixed, moving)
+
+    np.testing.assert_allclose(ours.warp.params, theirs.final, rtol=0, atol=1e-9)
+
+
+def test_amoeba_ends_at_the_same_corner():
+    fixed, moving = peer.pair((48, 60), np.float64)
+    optimizer = {"type": "amoeba", "parameters_tolerance": 0.05, "value_tolerance": 0.01}
+    levels = [{**level, "iterations": 300} for level in LEVELS[1:]]
+
+    ours, theirs = both(preset(optimizer=optimizer, levels=levels), fixed, moving)
+
+    assert "tolerance" in theirs.stop
+    np.testing.assert_allclose(ours.warp.params, theirs.final, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("transform", ["translation", "similarity"])
+def test_lbfgsb_ends_at_the_same_optimum(transform):
+    fixed = Image(peer.textured((48, 60), 1), Grid.of_shape((48, 60)), name="fixed")
+    # A whole number of pixels, so that the value reaches 0 there and every kind of slope vanishes.
+    moving = fixed.with_values(np.roll(fixed.values, (2, -1), axis=(0, 1)))
+    y, x = np.indices(fixed.grid.shape)
+    fixed = fixed.with_mask((abs(x - 30) < 24) & (abs(y - 24) < 18))  # away from the wrapped rim
+    optimizer = {"type": "lbfgsb", "convergence_factor": 10.0, "gradient_tolerance": 1e-9}
+    chosen = preset(
+        transform=transform,
+        metric="mean-squares",
+        optimizer=optimizer,
+        scales="shift",
+        gradient="exact",
+        levels=[{"iterations": 200}],
+    )
+
+    ours, theirs = both(chosen, fixed, moving)
+
+    # Corners, in pixels; other paths to the same place.
+    corners = fixed.grid.corners()
+    ended = Warp(ours.warp.transform, theirs.final, ours.warp.frame)
+    np.testing.assert_allclose(ours.warp(corners), ended(corners), atol=1e-3)
+    np.testing.assert_allclose(ours.warp(corners), corners + np.array([-1.0, 2.0]), atol=1e-3)
 
 
 @pytest.mark.parametrize("sampling", ["regular", "random"])

@@ -6,6 +6,7 @@ import numpy as np
 import SimpleITK as sitk
 
 from regframe.image import Image
+from regframe.optimizers.base import Optimizer
 from regframe.preset import Preset, Stage
 from regframe.transforms.warp import Warp
 from support import sitk as peer
@@ -62,26 +63,63 @@ def _sampling(theirs: sitk.ImageRegistrationMethod, stage: Stage, seed: int) -> 
 
 
 def _optimizer(theirs: sitk.ImageRegistrationMethod, stage: Stage, seed: int) -> None:
-    ours, iterations = stage.optimizer, stage.levels[0].iterations
+    ours = stage.optimizer
     if type(ours).__name__ == "OnePlusOne":
         shrink = -1.0 if ours.shrink is None else ours.shrink
         theirs.SetOptimizerAsOnePlusOneEvolutionary(
-            iterations, ours.epsilon, ours.radius, ours.growth, shrink, seed
+            stage.levels[0].iterations, ours.epsilon, ours.radius, ours.growth, shrink, seed
         )
         return
-    estimates = {"never": theirs.Never, "once": theirs.Once, "each-iteration": theirs.EachIteration}
-    theirs.SetOptimizerAsRegularStepGradientDescent(
-        ours.learning_rate,
-        ours.minimum_step,
-        iterations,
-        ours.relaxation,
-        ours.gradient_tolerance,
-        estimates[ours.estimate_learning_rate],
-        0.0,
+    tell_optimizer(theirs, ours, stage.levels[0].iterations, 0.0)
+
+
+def tell_optimizer(
+    theirs: sitk.ImageRegistrationMethod, ours: Optimizer, iterations: int, longest: float
+) -> None:
+    """Set SimpleITK's optimizer as one of ours; 0 leaves the largest step to SimpleITK."""
+    kind = type(ours).__name__
+    if kind == "Powell":  # told N iterations, it makes N + 1 rounds
+        limits = (iterations - 1, ours.line_iterations, ours.step_length)
+        theirs.SetOptimizerAsPowell(*limits, ours.step_tolerance, ours.value_tolerance)
+    elif kind == "Amoeba":  # iterations are evaluations here
+        tolerances = (ours.parameters_tolerance, ours.value_tolerance)
+        theirs.SetOptimizerAsAmoeba(ours.simplex_delta, iterations, *tolerances)
+    elif kind == "Exhaustive":
+        theirs.SetOptimizerAsExhaustive(list(ours.number_of_steps), ours.step_length)
+    elif kind == "Lbfgsb":
+        theirs.SetOptimizerAsLBFGSB(
+            ours.gradient_tolerance, iterations, ours.corrections, 2000, ours.convergence_factor
+        )
+    else:
+        _descent(theirs, ours, iterations, longest)
+
+
+def _descent(theirs: sitk.ImageRegistrationMethod, ours: Optimizer, iterations: int, longest: float) -> None:
+    rate = (
+        {"never": theirs.Never, "once": theirs.Once, "each-iteration": theirs.EachIteration}[
+            ours.estimate_learning_rate
+        ],
+        longest,
     )
+    if type(ours).__name__ == "RegularStepGradientDescent":
+        limits = (ours.learning_rate, ours.minimum_step, iterations, ours.relaxation)
+        theirs.SetOptimizerAsRegularStepGradientDescent(*limits, ours.gradient_tolerance, *rate)
+        return
+    limits = (ours.learning_rate, iterations, ours.convergence_minimum, ours.convergence_window)
+    if type(ours).__name__ == "GradientDescent":
+        theirs.SetOptimizerAsGradientDescent(*limits, *rate)
+        return
+    line = (ours.lower_limit, ours.upper_limit, ours.line_tolerance, ours.line_iterations)
+    tell = {
+        "GradientDescentLineSearch": theirs.SetOptimizerAsGradientDescentLineSearch,
+        "ConjugateGradientLineSearch": theirs.SetOptimizerAsConjugateGradientLineSearch,
+    }[type(ours).__name__]
+    tell(*limits, *line, *rate)
 
 
 def _scales(theirs: sitk.ImageRegistrationMethod, stage: Stage) -> None:
+    if stage.scales == "shift":  # only where parameters are pixels already, or scales are not used
+        return
     if isinstance(stage.scales, tuple):
         theirs.SetOptimizerScales(list(stage.scales))
         return

@@ -15,6 +15,8 @@ class SitkProblem:
         self.fixed, self.moving = peer.image(fixed), peer.image(moving)
         self.pair = fixed, moving
         self.scales = np.array(scales, dtype=np.float64)
+        self.visited = []  # positions of values, and of slopes
+        self.descended = []
 
     def at(self, params):
         return Warp(self.warp.transform, params, self.warp.frame)
@@ -22,12 +24,14 @@ class SitkProblem:
     def values(self, batch):
         found = []
         for row in batch:
+            self.visited.append(row.copy())
             self.method.SetInitialTransform(peer.transform(self.at(row)), True)
             found.append(self.method.MetricEvaluate(self.fixed, self.moving))
         return np.array(found)
 
     def value_and_gradient(self, at):
         value = float(self.values(at[None])[0])
+        self.descended.append(at.copy())
         # A step this long leaves no trace of the position in its last bits.
         return value, peer.derivative(self.method, *self.pair, self.at(at), 1e8)
 
