@@ -26,9 +26,15 @@ TRANSFORMS: "Registry[Transform]" = Registry(
     "regframe.transforms.base:Transform",
     {
         "affine": "regframe.transforms.affine:Affine",
+        "bspline": "regframe.transforms.bspline:BSpline",
         "rigid": "regframe.transforms.rigid:Rigid",
+        "scale": "regframe.transforms.scale:Scale",
+        "scale-skew-versor": "regframe.transforms.scale_skew_versor:ScaleSkewVersor",
+        "scale-versor": "regframe.transforms.scale_versor:ScaleVersor",
         "similarity": "regframe.transforms.similarity:Similarity",
         "translation": "regframe.transforms.translation:Translation",
+        "versor": "regframe.transforms.versor:Versor",
+        "versor-rigid": "regframe.transforms.versor_rigid:VersorRigid",
     },
 )
 
@@ -37,8 +43,11 @@ INTERPOLATORS: "Registry[Interpolator]" = Registry(
     "regframe.interpolators.base:Interpolator",
     {
         "bspline": "regframe.interpolators.bspline:BSpline",
+        "gaussian": "regframe.interpolators.gaussian:Gaussian",
+        "label-gaussian": "regframe.interpolators.label_gaussian:LabelGaussian",
         "linear": "regframe.interpolators.linear:Linear",
         "nearest": "regframe.interpolators.nearest:Nearest",
+        "windowed-sinc": "regframe.interpolators.windowed_sinc:WindowedSinc",
     },
 )
 

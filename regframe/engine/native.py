@@ -83,11 +83,11 @@ class _Level:
             at = step.params
             place, seconds = (self.number, self.depth, count, limit), perf_counter() - began
             trace.append(
-                Progress(*place, step.value, space.params(at), step.size, seconds, objective.evaluations)
+                Progress(*place, step.value, objective.settled(at), step.size, seconds, objective.evaluations)
             )
             yield trace[-1]
         steps.close()
-        found = Warp(warp.transform, space.params(at), warp.frame)
+        found = Warp(warp.transform, objective.settled(at), warp.frame)
         return found, self.report(
             scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
         )

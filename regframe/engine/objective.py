@@ -44,6 +44,18 @@ class Objective:
             return value, self._differences(at)
         return value, self._slopes.pull(params, forces, self.frame) / self.coordinates.unit
 
+    def settled(self, at: Params) -> Params:
+        """The transform's parameters at coordinates, as they are reported: within the family's domain."""
+        params = self.coordinates.params(at)
+        return self.stage.transform.advance(params, np.zeros_like(params))
+
+    def advance(self, at: Params, step: Params) -> Params:
+        """Coordinates after a step: the sum, and what the transform's own rule makes different from it."""
+        params, moved = self.coordinates.params(at), step / self.coordinates.unit
+        # The bracket is exactly 0 for transforms that add, so their coordinates keep the bits of a plain sum.
+        bent = self.stage.transform.advance(params, moved) - (params + moved)
+        return at + step + bent * self.coordinates.unit
+
     def motion(self, at: Params, step: Params) -> float:
         """Largest motion that a step makes over the grid."""
         params, moved = self.coordinates.params(at), step / self.coordinates.unit

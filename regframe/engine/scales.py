@@ -11,6 +11,7 @@ from regframe.transforms.base import Transform
 from regframe.types import Params, Points
 
 VARIATION = 0.01  # ITK's small parameter variation
+RADIUS = 5  # ITK's central region radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +36,9 @@ def coordinates(
 ) -> tuple[Coordinates, Params]:
     """The level's coordinates and where in them it begins.
 
-    With ``scales = "shift"`` one unit of every coordinate moves some corner of the fixed grid by one
-    pixel (or mm). Otherwise coordinates are the parameters themselves and ITK's scales go along.
+    The level begins at parameters in the family's domain, as ITK's levels do. With ``scales = "shift"``
+    one unit of every coordinate moves some corner of the fixed grid by one pixel (or mm). Otherwise
+    coordinates are the parameters themselves and ITK's scales go along.
 
     Raises
     ------
@@ -45,6 +47,7 @@ def coordinates(
     GeometryError
         A parameter that moves nothing.
     """
+    params = stage.transform.advance(params, np.zeros_like(params))
     count, plain = len(params), np.ones_like(params)
     if stage.scales == "shift":
         unit = stage.transform.shift(params, frame)
@@ -69,33 +72,48 @@ def coordinates(
 def _itk_scales(
     kind: str, transform: Transform, params: Params, frame: Frame, grid: Grid, moving: Grid
 ) -> Params:
-    corners = grid.corners()
+    curved = transform.as_affine(params, frame) is None
+    points = _central_block(grid) if curved else grid.corners()
     if kind == "jacobian":
-        slopes = _jacobian(transform, params, corners, frame)
-        return np.asarray((slopes**2).sum(axis=2).mean(axis=1))
-    shifts = np.empty_like(params)
+        slopes = _jacobian(transform, params, points, frame)
+        return _moving_all(np.asarray((slopes**2).sum(axis=2).mean(axis=1)), kind)
+    shifts, here = np.empty_like(params), transform.map(params, points, frame)
     for i in range(len(params)):
-        moved = params.copy()
-        moved[i] += VARIATION
-        shifts[i] = _largest(kind, transform, (params, moved), corners, frame, moving)
+        step = np.zeros_like(params)
+        step[i] = VARIATION
+        there = transform.map(transform.advance(params, step), points, frame)
+        shifts[i] = _largest(kind, here, there, moving)
     eps = float(np.finfo(np.float64).eps)
     if not np.any(shifts > eps):
         message = f"No parameter moves anything, so {kind!r} has no scale to give. Give `scales` as a list."
         raise GeometryError(message)
-    shifts = np.where(shifts <= eps, shifts[shifts > eps].min(), shifts)
-    return shifts**2 / VARIATION**2
+    least = shifts[shifts > eps].min()
+    if curved:
+        # ITK's rule for transforms with local support: one scale for all, and no square.
+        return np.full_like(params, least)
+    return np.where(shifts <= eps, least, shifts) ** 2 / VARIATION**2
 
 
-def _largest(
-    kind: str,
-    transform: Transform,
-    between: tuple[Params, Params],
-    points: Points,
-    frame: Frame,
-    moving: Grid,
-) -> float:
+def _central_block(grid: Grid) -> Points:
+    """Points at most `RADIUS` indices from the grid's middle, where ITK measures curved transforms."""
+    ranges = [np.arange(max((n - 1) // 2 - RADIUS, 0), min((n - 1) // 2 + RADIUS + 1, n)) for n in grid.shape]
+    block = np.meshgrid(*ranges, indexing="ij")
+    return grid.points(np.stack([axis.ravel() for axis in block], axis=1).astype(np.float64))
+
+
+def _moving_all(scales: Params, kind: str) -> Params:
+    still = int(np.sum(scales <= np.finfo(np.float64).eps))
+    if still:
+        message = (
+            f"{still} parameters move nothing where {kind!r} looks, so they have no scale. "
+            'Write scales = "physical-shift", or a list.'
+        )
+        raise GeometryError(message)
+    return scales
+
+
+def _largest(kind: str, here: Points, there: Points, moving: Grid) -> float:
     """Largest distance between two maps of the points: physical, or in moving pixels."""
-    here, there = (transform.map(params, points, frame) for params in between)
     if kind == "index-shift":
         here, there = moving.indices(here), moving.indices(there)
     return float(np.sqrt(((there - here) ** 2).sum(axis=1)).max())
@@ -123,16 +141,20 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
         The level's fixed grid and the moving image's.
     """
     level_grid, moving = grids
-    corners = level_grid.corners()
+    curved = stage.transform.as_affine(params, frame) is None
     if stage.scales == "jacobian":
-        slopes = _jacobian(stage.transform, params, corners, frame)
+        points = _central_block(level_grid) if curved else level_grid.corners()
+        slopes = _jacobian(stage.transform, params, points, frame)
         moved = np.einsum("p,pnd->nd", step, slopes)
         return float(np.sqrt((moved**2).sum(axis=1)).mean())
     largest = float(np.abs(step).max())
     if largest == 0.0:
         return 0.0
     # ITK measures a small step and scales the answer; far steps of a rotation would fold back.
-    small = VARIATION / largest if isinstance(stage.scales, str) and stage.scales != "shift" else 1.0
+    estimated = isinstance(stage.scales, str) and stage.scales != "shift"
+    small = VARIATION / largest if estimated and not curved else 1.0
     kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
-    between = (params, params + step * small)
-    return _largest(kind, stage.transform, between, corners, frame, moving) / small
+    points = level_grid.points(level_grid.all_indices()) if curved else level_grid.corners()
+    ends = (params, stage.transform.advance(params, step * small))
+    here, there = (stage.transform.map(end, points, frame) for end in ends)
+    return _largest(kind, here, there, moving) / small

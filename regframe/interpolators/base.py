@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -42,6 +43,13 @@ class Interpolator(Component):
 
     A position is inside when ``-0.5 <= index < n - 0.5`` on every axis, as in ITK.
     """
+
+    exact: ClassVar[bool] = True
+    """Whether the value at a pixel's centre is the pixel's own."""
+    keeps_constants: ClassVar[bool] = True
+    """Whether a constant image is constant between its pixels too."""
+    additive: ClassVar[bool] = True
+    """Whether a sum of images gives the sum of their values."""
 
     @abstractmethod
     def sample(self, coefficients: Volume, indices: Indices) -> Values:

@@ -43,13 +43,17 @@ def kernel_samples(samples: Samples) -> tuple[Bins, Indices, int]:
 
 
 def resampled(
-    kernel: Callable[..., object], volume: Volume, order: int, samples: Samples, index_map: AffineMap | None
+    kernel: Callable[..., object],
+    volume: Volume,
+    setting: int | Values,
+    samples: Samples,
+    index_map: AffineMap | None,
 ) -> tuple[Values, Values]:
-    """Run a kernel's `resample`: values and inside weights."""
+    """Run a kernel's `resample` with its order, window or widths: values and inside weights."""
     grid, indices, rows = kernel_samples(samples)
     values, weights = np.empty(len(samples)), np.empty(len(samples))
     matrix = kernel_matrix(index_map, volume.ndim)
-    share(kernel, rows, as_3d(volume), order, grid, indices, matrix, values, weights)
+    share(kernel, rows, as_3d(volume), setting, grid, indices, matrix, values, weights)
     return values, weights
 
 

@@ -53,6 +53,9 @@ class Problem(Protocol):
             Nothing overlaps there.
         """
 
+    def advance(self, at: Params, step: Params) -> Params:
+        """The position after a step downhill: their sum, but for transforms whose rotations compose."""
+
     def motion(self, at: Params, step: Params) -> float:
         """Largest motion in pixels (or mm) that a step makes over the grid."""
 

@@ -94,7 +94,7 @@ class LineSearchDescent(Optimizer):
                 estimate = False
             rate = self._search(problem, here, heading, rate)
             move = heading * rate
-            here = here + move
+            here = problem.advance(here, move)
             if self.keep == "itk":
                 if value < lowest:
                     best, lowest = here, value
@@ -109,7 +109,7 @@ class LineSearchDescent(Optimizer):
         """The rate whose step ends lowest."""
 
         def height(factor: float) -> float:
-            return float(problem.values((here + heading * factor)[None])[0])
+            return float(problem.values(problem.advance(here, heading * factor)[None])[0])
 
         bracket = (rate * self.lower_limit, rate, rate * self.upper_limit)
         return golden(height, bracket, self.line_tolerance, self.line_iterations)

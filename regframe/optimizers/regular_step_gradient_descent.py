@@ -96,7 +96,7 @@ class RegularStepGradientDescent(Optimizer):
                 rate = learning_rate(problem, here, slope / steepness, self.maximum_step, otherwise=steepness)
                 estimate = self.estimate_learning_rate == "each-iteration"
             before = slope * relaxation * rate
-            here = here + before * (1.0 / steepness)
+            here = problem.advance(here, before * (1.0 / steepness))
             if self.keep == "last":
                 # Measured only when the next step is asked for: ITK's last position never is.
                 yield Step(here, value, relaxation * rate)

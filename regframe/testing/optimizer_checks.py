@@ -44,6 +44,10 @@ class Bowl:
             raise NoOverlapError(message)
         return value, 2 * self.curvature * at + self.noise * self.rng.standard_normal(len(at))
 
+    def advance(self, at: Params, step: Params) -> Params:
+        """The sum."""
+        return at + step
+
     def motion(self, at: Params, step: Params) -> float:
         """Length of a step."""
         return float(np.sqrt((step**2).sum()))

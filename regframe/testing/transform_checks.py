@@ -204,7 +204,7 @@ def check_parameter_gradient_matches_differences(transform: Transform) -> None:
 
 
 def check_shift_matches_motion(transform: Transform) -> None:
-    """`shift` is the largest motion of the grid's corners per unit of each parameter."""
+    """`shift` is the largest motion of the grid's points per unit of each parameter."""
     for frame, _ in _places(transform):
         params = example_params(transform, frame)
         got, wanted = transform.shift(params, frame), _reach(transform, params, frame)
@@ -212,7 +212,7 @@ def check_shift_matches_motion(transform: Transform) -> None:
             got / np.maximum(wanted, 1e-12),
             np.ones_like(wanted),
             within=1e-2,
-            fault=f"{_dim(frame)}: `shift` is not the corners' largest motion per unit (shown as a ratio).",
+            fault=f"{_dim(frame)}: `shift` is not the grid's largest motion per unit (shown as a ratio).",
         )
 
 
@@ -272,13 +272,13 @@ def _places(transform: Transform) -> Iterator[tuple[Frame, Points]]:
 
 
 def _reach(transform: Transform, params: Params, frame: Frame) -> Params:
-    """Largest motion over the corners per unit of each parameter, by central differences, (p,)."""
-    corners, step = frame.grid.corners(), 1e-5
+    """Largest motion over the grid per unit of each parameter, by central differences, (p,)."""
+    points, step = frame.grid.points(frame.grid.all_indices()), 1e-5
     found = np.empty_like(params)
     for i in range(len(params)):
         move = np.zeros_like(params)
         move[i] = step
-        ahead, behind = (transform.map(params + side * move, corners.copy(), frame) for side in (1, -1))
+        ahead, behind = (transform.map(params + side * move, points.copy(), frame) for side in (1, -1))
         found[i] = np.sqrt(((ahead - behind) ** 2).sum(axis=1)).max() / (2 * step)
     return found
 

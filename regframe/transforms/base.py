@@ -20,6 +20,8 @@ class Transform(Component):
     """
 
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    closed: ClassVar[bool] = True
+    """Whether the inverse of an affine member is a member; if not, a warp's inverse is plainly affine."""
 
     @abstractmethod
     def identity(self, frame: Frame) -> Params:
@@ -51,7 +53,10 @@ class Transform(Component):
         return total
 
     def shift(self, params: Params, frame: Frame) -> Params:
-        """Hook: largest motion over the grid's corners per unit of each parameter, (p,)."""
+        """Hook: largest motion over the grid's points per unit of each parameter, (p,).
+
+        The default looks at the corners, where affine maps move most.
+        """
         corners, step = frame.grid.corners(), 1e-4
         here = self.map(params, corners, frame)
         reach = np.empty_like(params)
@@ -61,6 +66,13 @@ class Transform(Component):
             there = self.map(moved, corners, frame)
             reach[i] = np.sqrt(((there - here) ** 2).sum(axis=1)).max() / step
         return reach
+
+    def advance(self, params: Params, step: Params) -> Params:
+        """Hook: parameters after a gradient optimizer's step, (p,); the sum unless, say, rotations compose.
+
+        A step of zeros brings parameters into the family's domain, where that has an end.
+        """
+        return params + step
 
     def as_affine(self, params: Params, frame: Frame) -> AffineMap | None:
         """Hook: the map as a matrix and offset, physical, or None; opens the fast path."""

@@ -14,6 +14,7 @@ from regframe.io.muted import muted
 from regframe.io.writing import is_there
 from regframe.transforms.affine import Affine
 from regframe.transforms.base import Transform
+from regframe.transforms.itk import EITHER, KINDS, fixed_parameters
 from regframe.transforms.rigid import Rigid
 from regframe.transforms.similarity import Similarity
 from regframe.transforms.translation import Translation
@@ -49,8 +50,8 @@ _MATRIX_AND_CENTRE = (
 def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
     """Write a warp as an ITK transform file, which SimpleITK, ITK and Slicer read.
 
-    A translation, rigid, similarity or affine warp keeps its parameters and centre; any other affine one
-    becomes an `AffineTransform`, a chain a `CompositeTransform` in the same order.
+    A family of `itk.KINDS` keeps its parameters and centre; any other affine one becomes an
+    `AffineTransform`, a chain a `CompositeTransform` in the same order.
 
     Parameters
     ----------
@@ -139,13 +140,7 @@ def _to_itk(warp: Warp | Chain) -> "sitk.Transform":
     if isinstance(warp, Chain):
         return sitk.CompositeTransform([_to_itk(part) for part in warp.warps])
     dim = warp.frame.dim
-    make: dict[type[Transform], Callable[[], sitk.Transform]] = {
-        Translation: lambda: sitk.TranslationTransform(dim),
-        Rigid: sitk.Euler2DTransform,
-        Similarity: sitk.Similarity2DTransform,
-        Affine: lambda: sitk.AffineTransform(dim),
-    }
-    if type(warp.transform) not in make:
+    if (type(warp.transform), dim) not in KINDS:
         affine = warp.as_affine()
         if affine is None:
             message = (
@@ -154,10 +149,10 @@ def _to_itk(warp: Warp | Chain) -> "sitk.Transform":
             )
             raise GeometryError(message)
         warp = Warp.of_affine(affine, warp.frame)
-    theirs = make[type(warp.transform)]()
-    if not isinstance(warp.transform, Translation):
-        theirs.SetFixedParameters(warp.frame.centre.tolist())
-    theirs.SetParameters(warp.params.tolist())
+    kind = KINDS[type(warp.transform), dim]
+    theirs: sitk.Transform = getattr(sitk, kind)(*((dim,) if kind in EITHER else ()))
+    theirs.SetFixedParameters(fixed_parameters(warp.transform, warp.frame))
+    theirs.SetParameters(warp.transform.advance(warp.params, np.zeros_like(warp.params)).tolist())
     return theirs
 
 

@@ -59,7 +59,7 @@ class Warp:
         return self.transform.as_affine(self.params, self.frame)
 
     def inverse(self) -> "Warp":
-        """The map from moving to fixed points, of the same family.
+        """The map from moving to fixed points, of the same family where that holds inverses.
 
         Raises
         ------
@@ -70,6 +70,8 @@ class Warp:
         if affine is None:
             message = f"{type(self.transform).__name__} has no closed inverse. Invert an affine fit of it."
             raise GeometryError(message)
+        if not self.transform.closed:
+            return Warp.of_affine(affine.inverse(), self.frame)
         return Warp(self.transform, self.transform.from_affine(affine.inverse(), self.frame), self.frame)
 
 

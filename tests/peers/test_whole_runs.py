@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from regframe.catalog import TRANSFORMS
 from regframe.engine.native import Native
 from regframe.engine.start import begin
 from regframe.geometry import Grid
@@ -210,3 +211,62 @@ def test_evolution_in_space():
     )
 
     np.testing.assert_allclose(ours.warp.params, theirs.final, rtol=0, atol=1e-9)
+
+
+SPACE = Grid(
+    (16, 20, 24), (1.0, 1.1, 1.4), (3.0, 0.0, -5.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+)
+COARSE_TO_FINE = [{"shrink": 2, "smooth": 1.0, "iterations": 25}, {"iterations": 25}]
+
+
+@pytest.mark.parametrize("transform", ["versor-rigid", "rigid", "similarity", "scale-skew-versor"])
+def test_evolution_of_rotations_in_space(transform):
+    fixed, moving = peer.pair(SPACE.shape, grid=SPACE)
+    family = TRANSFORMS.build(transform)
+    scales = [1.0 if name.startswith("t") else 400.0 for name in family.names(peer.frame(fixed))]
+
+    ours, theirs = both(
+        preset(transform=transform, interpolator="linear", levels=COARSE_TO_FINE, scales=scales),
+        fixed,
+        moving,
+    )
+
+    np.testing.assert_allclose(ours.warp.params, theirs.final, rtol=0, atol=1e-9)
+    np.testing.assert_allclose([p.params for p in ours.trace], theirs.params, rtol=0, atol=1e-9)
+
+
+def test_evolution_beyond_half_a_turn():
+    """The search goes on from the raw versor within a level, and from the clipped one in the next."""
+    fixed, moving = peer.pair(SPACE.shape, grid=SPACE)
+    optimizer = {**EVOLUTION, "radius": 0.8}
+    chosen = preset(
+        transform="versor-rigid",
+        interpolator="linear",
+        metric="mean-squares",
+        optimizer=optimizer,
+        levels=COARSE_TO_FINE,
+        scales=[1.0] * 6,
+    )
+
+    ours, theirs = both(chosen, fixed, moving)
+
+    # As long as a clipped one.
+    assert max(np.linalg.norm(p.params[:3]) for p in ours.trace) > 1.0 - 1e-9
+    np.testing.assert_allclose([p.params for p in ours.trace], theirs.params, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(ours.warp.params, theirs.final, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("transform", ["versor-rigid", "rigid", "similarity"])
+@pytest.mark.parametrize("scales", ["physical-shift", "jacobian"])
+def test_descent_of_rotations_in_space(transform, scales):
+    fixed, moving = peer.pair(SPACE.shape, np.float64, grid=SPACE)
+    levels = [{**level, "iterations": 6} for level in COARSE_TO_FINE]
+    descent = {**DESCENT, "estimate_learning_rate": "once", "maximum_step": 2.0}
+    chosen = preset(
+        transform=transform, optimizer=descent, scales=scales, interpolator="linear", levels=levels
+    )
+
+    ours, theirs = both(chosen, fixed, moving)
+
+    np.testing.assert_allclose(ours.warp.params, theirs.final, rtol=0, atol=1e-9)
+    np.testing.assert_allclose([p.value for p in ours.trace], theirs.values, rtol=1e-9)

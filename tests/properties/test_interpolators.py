@@ -12,6 +12,10 @@ from regframe.interpolators.base import Samples
 
 CONFIGS = [*INTERPOLATORS.names(), *({"type": "bspline", "order": order} for order in (1, 2, 5))]
 every = pytest.mark.parametrize("config", CONFIGS, ids=str)
+exact = pytest.mark.parametrize("config", [c for c in CONFIGS if INTERPOLATORS.build(c).exact], ids=str)
+constant = pytest.mark.parametrize(
+    "config", [c for c in CONFIGS if INTERPOLATORS.build(c).keeps_constants], ids=str
+)
 shapes = {2: (11, 13), 3: (6, 7, 8)}
 ROUNDING = 1e-10  # of values in [0, 1], through a prefilter whose gain is below 50
 
@@ -31,7 +35,7 @@ def read(interpolator, volume, indices):
     return interpolator.sample(interpolator.prepare(volume), np.ascontiguousarray(indices))
 
 
-@every
+@constant
 @given(dimensions, seeds, floats(-3.0, 3.0), floats(-3.0, 3.0))
 def test_follows_gain_and_offset_of_the_image(config, dim, seed, gain, offset):
     interpolator, volume = INTERPOLATORS.build(config), volume_of(dim, seed)
@@ -69,7 +73,7 @@ def test_turns_with_the_image(config, dim, seed):
     np.testing.assert_allclose(got, read(interpolator, volume, indices), rtol=0, atol=ROUNDING)
 
 
-@every
+@exact
 @given(dimensions, seeds, st.integers(-2, 2))
 def test_whole_steps_are_exact_shifts(config, dim, seed, step):
     interpolator, volume = INTERPOLATORS.build(config), volume_of(dim, seed)

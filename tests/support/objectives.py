@@ -9,8 +9,10 @@ from regframe.engine.scene import prepare
 from regframe.image import Image
 from regframe.preset import Level, Stage
 from regframe.transforms.warp import Warp
+from support.sitk import WINDOWS
 
 SPLINES = {f"bspline{order}": {"type": "bspline", "order": order} for order in range(1, 6)}
+SINCS = {f"{window}-sinc": {"type": "windowed-sinc", "window": window} for window in WINDOWS}
 
 
 def objective(
@@ -24,7 +26,7 @@ def objective(
 ) -> Objective:
     stage = Stage(
         transform=warp.transform,
-        interpolator=INTERPOLATORS.build(SPLINES.get(interpolator, interpolator)),
+        interpolator=INTERPOLATORS.build((SPLINES | SINCS).get(interpolator, interpolator)),
         metric=METRICS.build(metric),
         optimizer="one-plus-one",
         gradient=gradient,

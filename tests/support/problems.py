@@ -30,6 +30,9 @@ class Bowl:
             raise NoOverlapError(message)
         return value, 2.0 * self.stretch * (at - self.target)
 
+    def advance(self, at, step):
+        return at + step
+
     def motion(self, at, step):
         return float(np.sqrt((step**2).sum()))
 

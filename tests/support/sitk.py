@@ -5,11 +5,20 @@ import SimpleITK as sitk
 
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
+from regframe.transforms import itk
 from regframe.transforms.warp import Warp
 
-INTERPOLATORS = {"nearest": sitk.sitkNearestNeighbor, "linear": sitk.sitkLinear} | {
-    f"bspline{order}": getattr(sitk, f"sitkBSpline{order}") for order in range(1, 6)
-}
+WINDOWS = ("hamming", "cosine", "welch", "lanczos", "blackman")
+INTERPOLATORS = (
+    {
+        "nearest": sitk.sitkNearestNeighbor,
+        "linear": sitk.sitkLinear,
+        "gaussian": sitk.sitkGaussian,
+        "label-gaussian": sitk.sitkLabelGaussian,
+    }
+    | {f"bspline{order}": getattr(sitk, f"sitkBSpline{order}") for order in range(1, 6)}
+    | {f"{window}-sinc": getattr(sitk, f"sitk{window.capitalize()}WindowedSinc") for window in WINDOWS}
+)
 
 
 def image(ours: Image) -> sitk.Image:
@@ -30,15 +39,12 @@ def mask(ours: Image) -> sitk.Image:
 def transform(warp: Warp) -> sitk.Transform:
     """The same parameters about the same centre."""
     dim = warp.frame.dim
-    kinds = {
-        "Translation": lambda: sitk.TranslationTransform(dim),
-        "Rigid": sitk.Euler2DTransform,
-        "Similarity": sitk.Similarity2DTransform,
-        "Affine": lambda: sitk.AffineTransform(dim),
-    }
-    theirs = kinds[type(warp.transform).__name__]()
-    if hasattr(theirs, "SetCenter"):
-        theirs.SetCenter(warp.frame.centre.tolist())
+    if type(warp.transform).__name__ == "BSpline":
+        theirs = sitk.BSplineTransform(dim, warp.transform.order)
+    else:
+        kind = itk.KINDS[type(warp.transform), dim]
+        theirs = getattr(sitk, kind)(*((dim,) if kind in itk.EITHER else ()))
+    theirs.SetFixedParameters(itk.fixed_parameters(warp.transform, warp.frame))
     theirs.SetParameters(warp.params.tolist())
     return theirs
 

@@ -35,11 +35,14 @@ class SitkProblem:
         # A step this long leaves no trace of the position in its last bits.
         return value, peer.derivative(self.method, *self.pair, self.at(at), 1e8)
 
+    def advance(self, at, step):
+        return self.warp.transform.advance(at, step)
+
     def motion(self, at, step):
         """ITK's: a step whose largest component is 0.01, measured at the corners and scaled."""
         small = 0.01 / np.abs(step).max()
         corners = self.warp.frame.grid.corners()
-        moved = self.at(at + step * small)(corners) - self.at(at)(corners)
+        moved = self.at(self.advance(at, step * small))(corners) - self.at(at)(corners)
         return float(np.sqrt((moved**2).sum(axis=1)).max() / small)
 
 

@@ -61,11 +61,11 @@ def test_planes_do_not_meet_volumes():
         regframe.register(preset(), random((20, 20)), random((8, 20, 20)))
 
 
-def test_a_transform_for_planes_refuses_volumes():
-    volume = random((8, 10, 12))
+def test_a_transform_for_volumes_refuses_planes():
+    plane = random((10, 12))
 
-    with pytest.raises(GeometryError, match=r"stages\.0\.transform: \w+ is for 2-D images\. Got 3-D"):
-        regframe.register(preset(transform="similarity"), volume, volume)
+    with pytest.raises(GeometryError, match=r"stages\.0\.transform: \w+ is for 3-D images\. Got 2-D"):
+        regframe.register(preset(transform="versor-rigid"), plane, plane)
 
 
 def test_images_that_do_not_meet_at_the_start():

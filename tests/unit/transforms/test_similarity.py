@@ -1,4 +1,4 @@
-"""Similarity in the plane."""
+"""Similarity in the plane and in space."""
 
 import numpy as np
 import pytest
@@ -8,6 +8,7 @@ from regframe.transforms.linear import turn
 from regframe.transforms.similarity import Similarity
 
 FRAME = Frame.about_centre(Grid.of_shape((5, 7)))
+SPACE = Frame.about_centre(Grid.of_shape((5, 6, 7)))
 
 
 def test_scales_turns_and_shifts():
@@ -61,3 +62,27 @@ def test_nearest_similarity_agrees_at_the_centre():
     found = Similarity().as_affine(Similarity().from_affine(affine, FRAME), FRAME)
 
     assert found(FRAME.centre[None]) == pytest.approx(affine(FRAME.centre[None]))
+
+
+def test_parameters_in_space_are_in_itk_order():
+    assert Similarity().names(SPACE) == ("vx", "vy", "vz", "tx", "ty", "tz", "scale")
+
+
+def test_finds_the_parameters_of_a_similarity_in_space():
+    params = np.array([0.3, -0.5, 0.1, 3.0, 4.0, 5.0, 1.2])
+
+    found = Similarity().from_affine(Similarity().as_affine(params, SPACE), SPACE)
+
+    assert found == pytest.approx(params, abs=1e-12)
+
+
+def test_nearest_similarity_in_space_is_the_least_squares_one():
+    matrix = np.array([[1.1, -0.3, 0.2], [0.5, 0.8, -0.1], [0.0, 0.3, 1.3]])
+    best = Similarity().from_parts(matrix, np.zeros(3))
+
+    def misfit(params):
+        return np.sum((Similarity().parts(params, 3)[0] - matrix) ** 2)
+
+    for axis in (0, 1, 2, 6):
+        for side in (1e-3, -1e-3):
+            assert misfit(best) < misfit(best + side * np.eye(7)[axis])

@@ -1,0 +1,55 @@
+"""Which class of ITK each family is, by dimension."""
+
+from regframe.geometry import Frame
+from regframe.transforms.affine import Affine
+from regframe.transforms.base import Transform
+from regframe.transforms.bspline import BSpline
+from regframe.transforms.lattice import lattice
+from regframe.transforms.rigid import Rigid
+from regframe.transforms.scale import Scale
+from regframe.transforms.scale_skew_versor import ScaleSkewVersor
+from regframe.transforms.scale_versor import ScaleVersor
+from regframe.transforms.similarity import Similarity
+from regframe.transforms.translation import Translation
+from regframe.transforms.versor import Versor
+from regframe.transforms.versor_rigid import VersorRigid
+
+KINDS: dict[tuple[type[Transform], int], str] = {
+    (Affine, 2): "AffineTransform",
+    (Affine, 3): "AffineTransform",
+    (Rigid, 2): "Euler2DTransform",
+    (Rigid, 3): "Euler3DTransform",
+    (Scale, 2): "ScaleTransform",
+    (Scale, 3): "ScaleTransform",
+    (ScaleSkewVersor, 3): "ScaleSkewVersor3DTransform",
+    (ScaleVersor, 3): "ScaleVersor3DTransform",
+    (Similarity, 2): "Similarity2DTransform",
+    (Similarity, 3): "Similarity3DTransform",
+    (Translation, 2): "TranslationTransform",
+    (Translation, 3): "TranslationTransform",
+    (Versor, 3): "VersorTransform",
+    (VersorRigid, 3): "VersorRigid3DTransform",
+}
+"""Affine families by dimension, and the class of ITK with the same parameters in the same order."""
+
+EITHER = ("AffineTransform", "ScaleTransform", "TranslationTransform")
+"""Classes that SimpleITK builds with a dimension; the others have one."""
+
+
+def fixed_parameters(transform: Transform, frame: Frame) -> list[float]:
+    """What ITK keeps beside the parameters: the centre, the order of angles in space, or the lattice.
+
+    Examples
+    --------
+    >>> from regframe.geometry import Grid
+    >>> fixed_parameters(Rigid(order="zyx"), Frame.about_centre(Grid.of_shape((5, 5, 5))))
+    [2.0, 2.0, 2.0, 1.0]
+    """
+    if isinstance(transform, BSpline):
+        grid = lattice(frame.grid, transform.mesh, transform.order)
+        rows = (value for row in grid.direction for value in row)
+        return [*map(float, reversed(grid.shape)), *grid.origin, *grid.spacing, *rows]
+    if isinstance(transform, Translation):
+        return []
+    order = [float(transform.order == "zyx")] if isinstance(transform, Rigid) and frame.dim == 3 else []
+    return [*map(float, frame.centre), *order]

@@ -1,0 +1,71 @@
+"""The lattice of control points that ITK lays over an image."""
+
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+
+from regframe.errors import GeometryError
+from regframe.geometry import Grid
+from regframe.types import Matrix, Params, Points
+
+_RIM = 0.125
+"""Pixels that the lattice's domain reaches beyond the image's outer edges."""
+
+
+@lru_cache(maxsize=16)
+def lattice(grid: Grid, mesh: tuple[int, ...], order: int) -> Grid:
+    """Control points for a mesh of cells over a grid, as `BSplineTransformInitializer` lays them.
+
+    Axes follow the physical ones as well as the grid's direction allows, from the corner nearest to the
+    bounding box's lower end. ITK computes corners and directions in single precision, and so does this.
+
+    Parameters
+    ----------
+    mesh : tuple of int
+        Number of cells along each axis of the lattice, x first; one number counts for all.
+
+    Raises
+    ------
+    GeometryError
+        As many numbers as there are no axes.
+    """
+    if len(mesh) not in (1, grid.dim):
+        message = (
+            f"`mesh` has {len(mesh)} numbers and the image {grid.dim} axes. "
+            "Give one number an axis, or one for all."
+        )
+        raise GeometryError(message)
+    cells = np.array(mesh * grid.dim if len(mesh) == 1 else mesh)
+    origin, edges = _domain(grid)
+    lengths = np.sqrt((edges**2).sum(axis=1))
+    direction = (edges / lengths[:, None]).astype(np.float32).astype(np.float64).T
+    spacing = lengths / cells
+    first = origin - direction @ (spacing * (order - 1) * 0.5)
+    shape = tuple(int(n) + order for n in cells[::-1])
+    rows = tuple(tuple(map(float, row)) for row in direction)
+    return Grid(shape, tuple(map(float, spacing)), tuple(map(float, first)), rows)
+
+
+def _domain(grid: Grid) -> tuple[Params, Matrix]:
+    """The domain's first corner, and the edges from it, one a row, in the order of the physical axes."""
+    corners = _corners(grid)
+    lowest = corners.min(axis=0)
+    begin = int(np.argmin(((corners - lowest) ** 2).sum(axis=1)))
+    edges = [
+        (corners[begin ^ (1 << axis)].astype(np.float32) - corners[begin].astype(np.float32))
+        for axis in range(grid.dim)
+    ]
+    free, chosen = list(range(grid.dim)), []
+    for axis in range(grid.dim):
+        nearest = max(free, key=lambda one: edges[one][axis] / np.linalg.norm(edges[one]))
+        free.remove(nearest)
+        chosen.append(edges[nearest].astype(np.float64))
+    return corners[begin], np.array(chosen)
+
+
+def _corners(grid: Grid) -> Points:
+    """The 2**dim corners in single precision; bit k of a corner's number is its end along axis k, x first."""
+    ends = [(-0.5 - _RIM, n - 0.5 + _RIM) for n in grid.shape]
+    exact = grid.points(np.array(list(product(*ends))))
+    return exact.astype(np.float32).astype(np.float64)
