@@ -8,8 +8,7 @@ from typing import Any
 from regframe.engine.base import Engine, Observer, Result
 from regframe.errors import PresetError
 from regframe.faults import nearest
-from regframe.image import Image
-from regframe.io import coerce, read_mask
+from regframe.io import coerce
 from regframe.preset import Preset, load, parse
 from regframe.transforms.warp import Chain, Warp
 
@@ -95,8 +94,3 @@ def _engine(engine: str | Engine) -> Engine:
     module, _, name = ENGINES[engine].partition(":")
     made: Engine = getattr(import_module(module), name)()
     return made
-
-
-def masked(image: Image, mask: str | Path | None) -> Image:
-    """The image with the mask of a file, or as it is."""
-    return image if mask is None else image.with_mask(read_mask(mask, image.grid))

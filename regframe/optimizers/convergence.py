@@ -26,7 +26,7 @@ class Window:
     --------
     >>> window = Window(3)
     >>> [round(window.push(value), 3) for value in (4.0, 2.0, 1.0, 1.0)]
-    [inf, inf, 0.4, 0.114]
+    [inf, inf, 0.343, 0.1]
     """
 
     def __init__(self, size: int) -> None:

@@ -73,7 +73,7 @@ class GradientDescent(Optimizer):
                 rate = learning_rate(problem, here, slope, self.maximum_step, otherwise=1.0)
                 estimate = self.estimate_learning_rate == "each-iteration"
             move = slope * rate
-            here = here + move
+            here = problem.advance(here, move)
             if self.keep == "last":
                 # Measured only when the next step is asked for: ITK's last position never is.
                 yield Step(here, value, length(move))

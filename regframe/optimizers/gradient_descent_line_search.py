@@ -12,7 +12,7 @@ class GradientDescentLineSearch(LineSearchDescent):
 
     J. Kiefer, "Sequential minimax search for a maximum", Proc. American Mathematical Society 4(3), 1953,
     along the steepest descent; `itk::GradientDescentLineSearchOptimizerv4`, whose path it walks. An
-    iteration costs one slope and about a dozen values.
+    iteration costs one slope and about 14 values.
 
     Four departures from ITK: `keep` says which position is reported; places of the search where nothing
     overlaps are passed by, also where ITK's Mattes metric would abort the run; the learning rate is

@@ -26,7 +26,9 @@ class Lbfgsb(Optimizer):
     older version of the same program: both end at the same optimum on different paths. Scales other than
     `shift` are ignored, as ITK ignores them. It wants a slope that fits the value: use `gradient = "exact"`.
 
-    A level's `iterations` counts scipy's iterations; ITK's observers are told of evaluations, of which an
+    scipy calls back where an engine wants a generator, so it runs on a thread of its own, in turns with the
+    engine's: each iteration is handed over as it happens, and the engine may stop at any of them. A level's
+    `iterations` counts scipy's iterations; ITK's observers are told of evaluations, of which an
     iteration takes one or a few. A probe where nothing overlaps counts as worse than all before, so that
     the search comes back.
     """

@@ -57,7 +57,7 @@ class LineSearchDescent(Optimizer):
         allow_inf_nan=False,
         description="A search ends once its bracket is this narrow, relative to the step.",
     )
-    line_iterations: int = Field(20, ge=1, description="Most rounds of a search, one evaluation each.")
+    line_iterations: int = Field(20, ge=1, description="Most rounds of a search, about one evaluation each.")
     keep: Literal["best", "itk"] = Field(
         "best",
         description=(
@@ -94,7 +94,7 @@ class LineSearchDescent(Optimizer):
                 estimate = False
             rate = self._search(problem, here, heading, rate)
             move = heading * rate
-            here = here + move
+            here = problem.advance(here, move)
             if self.keep == "itk":
                 if value < lowest:
                     best, lowest = here, value
@@ -109,7 +109,7 @@ class LineSearchDescent(Optimizer):
         """The rate whose step ends lowest."""
 
         def height(factor: float) -> float:
-            return float(problem.values((here + heading * factor)[None])[0])
+            return float(problem.values(problem.advance(here, heading * factor)[None])[0])
 
         bracket = (rate * self.lower_limit, rate, rate * self.upper_limit)
         return golden(height, bracket, self.line_tolerance, self.line_iterations)
@@ -131,7 +131,7 @@ def golden(height: Callable[[float], float], bracket: Bracket, tolerance: float,
 
     Examples
     --------
-    >>> golden(lambda x: (x - 1.3) ** 2, (0.0, 1.0, 5.0), 1e-3, 50)
+    >>> round(golden(lambda x: (x - 1.3) ** 2, (0.0, 1.0, 5.0), 1e-3, 50), 2)
     1.3
     """
     a, b, c = bracket

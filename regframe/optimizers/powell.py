@@ -23,7 +23,7 @@ class Powell(Optimizer):
     bit for bit.
 
     ITK that is told N iterations makes N + 1 rounds; here a level's `iterations` counts the rounds, each of
-    about a dozen evaluations a parameter. ITK that is ended by its limit leaves the transform at the last
+    about 14 evaluations a parameter. ITK that is ended by its limit leaves the transform at the last
     place probed, which can be far off; `keep` says which position is reported here. A round that moves and
     then stops is a step of its own, where ITK tells no observer.
     """

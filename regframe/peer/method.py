@@ -5,6 +5,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from regframe.engine.scales import coordinates
 from regframe.image import Image
 from regframe.kernels.jit import threads
@@ -39,6 +41,9 @@ def in_its_terms(stage: Stage, warp: Warp, fixed: Image, moving: Image) -> Terms
     """
     grid = fixed.grid.coarsen(stage.levels[0].shrink)
     space, _ = coordinates(stage, warp.params, warp.frame, grid, moving.grid)
+    if stage.scales == "shift" and np.allclose(space.unit, 1.0, rtol=0, atol=1e-6):
+        # A translation's parameters are motion already.
+        stage = stage.model_copy(update={"scales": (1.0,) * len(space.unit)})
     return twins.terms(stage.optimizer, stage, space.unit)
 
 

@@ -14,7 +14,6 @@ from regframe.preset import Preset
 def both(preset: Preset, fixed: Image, moving: Image) -> tuple[Result, Result]:
     """Ours and SimpleITK's result of a preset that says everything in ITK's terms."""
     theirs = finished(SimpleITKEngine(), preset, (fixed, moving))
-    assert theirs.provenance["told"] == preset.model_dump(mode="json")["stages"]
     return finished(Native(), preset, (fixed, moving)), theirs
 
 
