@@ -72,6 +72,11 @@ class Bench:
         sigma = self.stage.levels[-1].smooth
         return probe.smoothed(self.fixed, sigma), probe.smoothed(self.moving, sigma)
 
+    @cached_property
+    def unit(self) -> Params:
+        """Motion per unit of each parameter at the answer."""
+        return self.warp.transform.shift(self.warp.params, self.warp.frame)
+
     @property
     def grid(self) -> Grid:
         """The last level's grid."""
@@ -89,7 +94,7 @@ class Bench:
     def swept(self) -> Iterator[tuple[str, np.ndarray, list[Params]]]:
         """For some parameters: the name, motions in physical units, and positions through the answer."""
         transform, params, frame = self.warp.transform, self.warp.params, self.warp.frame
-        names, unit = transform.names(frame), transform.shift(params, frame)
+        names, unit = transform.names(frame), self.unit
         motions = np.linspace(-REACH, REACH, POINTS) * min(self.grid.spacing)
         chosen = np.unique(np.linspace(0, len(params) - 1, min(MOST_SWEEPS, len(params))).round().astype(int))
         for i in chosen:

@@ -64,7 +64,7 @@ def smoothing(bench: Bench, title: str) -> Iterator[Line]:
 def transform(bench: Bench, what: str) -> Line:
     """Where random points go, at the answer and around it."""
     rng = np.random.default_rng(1)
-    grid, unit = bench.fixed.grid, bench.warp.transform.shift(bench.warp.params, bench.warp.frame)
+    grid, unit = bench.fixed.grid, bench.unit
     indices = rng.uniform(-0.5, np.array(grid.shape) - 0.5, (MANY, grid.dim))
     points, apart = grid.points(indices), []
     for size in (0.0, 1.0, 10.0):
@@ -105,7 +105,7 @@ def slope(bench: Bench, what: str) -> Line:
     if metric.derivative(bench.objective.pairs(params)) is None:
         why = f"{type(metric).__name__} has no `derivative`, so ours are differences of values; see {SLOPES}"
         return incomparable(FLOOR, what, why)
-    unit = bench.warp.transform.shift(params, bench.warp.frame)
+    unit = bench.unit
     _, ours = bench.objective.value_and_gradient(params)
     steepest = float(np.abs(theirs / unit).max()) or 1.0
     apart = np.abs((ours - theirs) / unit) / steepest
@@ -154,7 +154,7 @@ def unit_of(bench: Bench) -> str:
 
 def _their_value(bench: Bench, params: Params) -> float:
     try:
-        return probe.value_and_count(bench.part, *bench.theirs, bench.at(params))[0]
+        return probe.value(bench.part, *bench.theirs, bench.at(params))
     except NoOverlapError:
         return float("inf")
 

@@ -131,7 +131,7 @@ def _scores(runs: whole.Runs, bench: Bench) -> dict[str, dict[str, float]]:
         assert isinstance(warp, Warp)
         values = {"native": float(bench.objective.values(warp.params[None])[0])}
         try:
-            values["simpleitk"] = probe.value_and_count(bench.part, *bench.theirs, warp)[0]
+            values["simpleitk"] = probe.value(bench.part, *bench.theirs, warp)
         except RegframeError:
             return {}
         found[name] = values

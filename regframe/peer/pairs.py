@@ -105,7 +105,7 @@ def _rounded(values: Values, image: Image) -> Values:
 def _positions(bench: Bench) -> list[Params]:
     """The answer, and four places some pixels off it."""
     rng = np.random.default_rng(3)
-    unit = bench.warp.transform.shift(bench.warp.params, bench.warp.frame)
+    unit = bench.unit
     size = 2.0 * min(bench.grid.spacing) / np.where(unit > 0, unit, np.inf)
     near = [bench.warp.params + rng.normal(size=len(unit)) * size for _ in range(4)]
     return [bench.warp.params, *near]

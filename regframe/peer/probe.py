@@ -46,6 +46,29 @@ def value_and_count(part: Part, fixed: Image, moving: Image, warp: Warp) -> tupl
     return (float("inf") if value > LARGEST else value), count
 
 
+def value(part: Part, fixed: Image, moving: Image, warp: Warp) -> float:
+    """Metric at the first level of a part, without its slope where samples are a whole grid.
+
+    Raises
+    ------
+    RegframeError
+        SimpleITK refuses.
+    """
+    level = part.levels[0]
+    if level.sampling != "all" or level.smooth > 0:
+        return value_and_count(part, fixed, moving, warp)[0]
+    method, grid = told(part, fixed, moving), fixed.grid.coarsen(level.shrink)
+    direction = [entry for row in grid.direction for entry in row]
+    method.SetVirtualDomain(list(reversed(grid.shape)), grid.origin, grid.spacing, direction)
+    method.SetInitialTransform(convert.transform(warp), True)
+    try:
+        with quiet():
+            found = float(method.MetricEvaluate(*map(convert.image, (fixed, moving))))
+    except RuntimeError as error:
+        raise translated(error) from None
+    return float("inf") if found > LARGEST else found
+
+
 def derivative(part: Part, fixed: Image, moving: Image, warp: Warp) -> Params:
     """d value / d params, uphill, read from one step of gradient descent.
 
