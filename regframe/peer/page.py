@@ -5,7 +5,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
 from math import isfinite
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from regframe.errors import OutputError
 from regframe.io import atomic, refuse_existing
@@ -22,6 +22,8 @@ img {max-width: 100%} .small {color: #555; font-size: 0.9em}
 .good {background: #e3f2e6} .bad {background: #fbe3d6}
 .agrees {color: #1a7431} .differs {color: #b33c00; font-weight: 700} .not {color: #666}
 """
+
+SHOWN = {"native": "regframe", "simpleitk": "SimpleITK"}
 
 INTRODUCTION = """
 <p>regframe and SimpleITK are two programs that align images, written independently. Here they were
@@ -77,7 +79,7 @@ def html(report: Report, picture: bytes) -> str:
     """A self-contained page."""
     title = f"Cross-check: {escape(report.preset.name)}"
     kind = "good" if report.agrees else "bad"
-    names = {key: escape(text) for key, text in (("fixed", report.fixed), ("moving", report.moving))}
+    names = {key: escape(PurePath(text).name) for key, text in (("fixed", report.fixed), ("moving", report.moving))}
     introduction = INTRODUCTION.format(preset=escape(report.preset.name), seed=report.preset.seed, **names)
     inline = b64encode(picture).decode("ascii")
     parts = [
@@ -121,10 +123,10 @@ def _scores(report: Report) -> str:
     if not report.scores:
         return ""
     rows = [
-        (f"answer of {who}", *(f"{value:.12g}" for value in values.values()), _seconds(report, who))
+        (f"answer of {SHOWN[who]}", *(f"{value:.12g}" for value in values.values()), _seconds(report, who))
         for who, values in report.scores.items()
     ]
-    judges = [f"by the metric of {name}" for name in next(iter(report.scores.values()))]
+    judges = [f"by the metric of {SHOWN[name]}" for name in next(iter(report.scores.values()))]
     return f"<h2>Answers scored by both metrics</h2>{_table(('', *judges, 'run took'), rows)}"
 
 
