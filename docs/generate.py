@@ -7,8 +7,11 @@ from pydantic.fields import FieldInfo
 
 from regframe.catalog import KINDS
 from regframe.component import Component
+from regframe.peer import agreement
 
 PAGE = Path(__file__).parent / "reference" / "components.md"
+AGREEMENT = Path(__file__).parent / "explanation" / "agreement.md"
+MADE = "<!-- made from here by `make docs` -->\n"
 
 HEAD = """\
 # Components
@@ -54,5 +57,12 @@ def plain(value: object) -> str:
     return f'"{value}"' if isinstance(value, str) else "none" if value is None else f"{value}"
 
 
+def agreement_page() -> str:
+    """The page on agreement with SimpleITK: its text as it stands, its tables measured now."""
+    text, _, _ = AGREEMENT.read_text(encoding="utf-8").partition(MADE)
+    return f"{text}{MADE}\n{agreement.table()}"
+
+
 if __name__ == "__main__":
     PAGE.write_text(page(), encoding="utf-8")
+    AGREEMENT.write_text(agreement_page(), encoding="utf-8")

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from regframe.io import read, read_mask, write
     from regframe.metrics.base import Metric, Pairs
     from regframe.optimizers.base import Optimizer, Problem, Step
+    from regframe.peer.crosscheck import crosscheck
+    from regframe.peer.report import Report
     from regframe.preset import Level, Preset, Stage
     from regframe.preset import load as load_preset
     from regframe.transforms.base import Transform
@@ -62,6 +64,7 @@ __all__ = [
     "Problem",
     "Progress",
     "RegframeError",
+    "Report",
     "Result",
     "Samples",
     "Stage",
@@ -70,6 +73,7 @@ __all__ = [
     "Warp",
     "__version__",
     "align",
+    "crosscheck",
     "load_preset",
     "read",
     "read_mask",
@@ -106,6 +110,7 @@ _PLACES = {
     "Problem": "optimizers.base:Problem",
     "Progress": "engine.base:Progress",
     "RegframeError": "errors:RegframeError",
+    "Report": "peer.report:Report",
     "Result": "engine.base:Result",
     "Samples": "interpolators.base:Samples",
     "Stage": "preset:Stage",
@@ -114,6 +119,7 @@ _PLACES = {
     "Transform": "transforms.base:Transform",
     "Warp": "transforms.warp:Warp",
     "align": "engine.resampling:align",
+    "crosscheck": "peer.crosscheck:crosscheck",
     "load_preset": "preset:load",
     "read": "io:read",
     "read_mask": "io:read_mask",

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from regframe import __version__
-from regframe.cli import apply, demo, doctor, explain, listing, preset, register, warmup
+from regframe.cli import apply, crosscheck, demo, doctor, explain, listing, preset, register, warmup
 from regframe.errors import NoOverlapError, RegframeError
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -30,6 +30,7 @@ app = typer.Typer(
 )
 app.command("register")(register.register)
 app.command("apply")(apply.apply)
+app.command("crosscheck")(crosscheck.crosscheck)
 app.command("list")(listing.show)
 app.command("explain")(explain.explain)
 app.add_typer(preset.app, name="preset")

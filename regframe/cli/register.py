@@ -37,7 +37,7 @@ Start = Annotated[
 ]
 FixedMask = Annotated[Path | None, typer.Option(help="Image that is not 0 where fixed pixels count.")]
 MovingMask = Annotated[Path | None, typer.Option(help="Image that is not 0 where moving pixels count.")]
-EngineName = Annotated[str, typer.Option(help="Who runs the preset.")]
+EngineName = Annotated[str, typer.Option(help="Who runs the preset: native, or simpleitk.")]
 Threads = Annotated[int | None, typer.Option(min=1, help="Threads to use; the result does not depend on it.")]
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Write no overlays and plots.")]
 Force = Annotated[bool, typer.Option("--force", "-f", help="Replace an earlier result in the folder.")]

@@ -33,7 +33,7 @@ class Native(Engine):
         trace: list[Progress] = []
         reports: list[LevelReport] = []
         first: Warp | None = None
-        for number, stage in enumerate(_begun(preset.stages, start)):
+        for number, stage in enumerate(begun(preset.stages, start)):
             warp = begin(stage, fixed, moving, start)
             first = first or warp
             rng, seed = stage.optimizer.normals(preset.seed), preset.seed
@@ -48,7 +48,7 @@ class Native(Engine):
         return Result(warp, last.value, last.stop, tuple(reports), preset, facts, *given, tuple(trace), first)
 
 
-def _begun(stages: tuple[Stage, ...], start: Warp | Chain | None) -> tuple[Stage, ...]:
+def begun(stages: tuple[Stage, ...], start: Warp | Chain | None) -> tuple[Stage, ...]:
     """The stages, the first one continuing a start given by the user."""
     if start is None:
         return stages

@@ -25,10 +25,12 @@ def versions() -> dict[str, str]:
     return found
 
 
-def provenance(preset: Preset, fixed: Image, moving: Image, *, seconds: float) -> dict[str, Any]:
+def provenance(
+    preset: Preset, fixed: Image, moving: Image, *, seconds: float, engine: str = "native"
+) -> dict[str, Any]:
     """Versions, machine, seed, inputs with their hashes, and times."""
     return {
-        "engine": "native",
+        "engine": engine,
         "versions": versions(),
         "platform": f"{platform.system()} {platform.machine()}",
         "threads": threads(),

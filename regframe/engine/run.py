@@ -1,17 +1,22 @@
 """One call from two images to a result."""
 
 from collections.abc import Iterable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from regframe.engine.base import Engine, Observer, Result
-from regframe.engine.native import Native
 from regframe.errors import PresetError
+from regframe.faults import nearest
 from regframe.io import coerce
 from regframe.preset import Preset, load, parse
 from regframe.transforms.warp import Chain, Warp
 
-ENGINES: Mapping[str, type[Engine]] = {"native": Native}
+ENGINES: Mapping[str, str] = {
+    "native": "regframe.engine.native:Native",
+    "simpleitk": "regframe.peer.simpleitk:SimpleITKEngine",
+}
+"""Name to ``module:Class``, imported when first asked for."""
 
 
 def register(
@@ -59,7 +64,7 @@ def register(
     >>> result.pixel_matrix.shape
     (3, 3)
     """
-    resolved = _preset(preset)
+    resolved = as_preset(preset)
     chosen = _engine(engine)
     steps = chosen.iterate(resolved, coerce(fixed, "fixed"), coerce(moving, "moving"), start=start)
     watching = tuple(observers)
@@ -73,7 +78,8 @@ def register(
             observer(progress)
 
 
-def _preset(preset: Preset | str | Path | Mapping[str, Any]) -> Preset:
+def as_preset(preset: Preset | str | Path | Mapping[str, Any]) -> Preset:
+    """A preset as it is, or one loaded from its name, path or mapping."""
     if isinstance(preset, Preset):
         return preset
     return parse(preset) if isinstance(preset, Mapping) else load(preset)
@@ -83,6 +89,8 @@ def _engine(engine: str | Engine) -> Engine:
     if isinstance(engine, Engine):
         return engine
     if engine not in ENGINES:
-        message = f"no engine is called {engine!r}. Known: {', '.join(ENGINES)}."
+        message = f"no engine is called {engine!r}.{nearest(engine, ENGINES)} Known: {', '.join(ENGINES)}."
         raise PresetError(message)
-    return ENGINES[engine]()
+    module, _, name = ENGINES[engine].partition(":")
+    made: Engine = getattr(import_module(module), name)()
+    return made

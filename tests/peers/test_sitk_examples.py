@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from regframe.engine.run import register
-from regframe.engine.start import begin
 from regframe.preset import load
-from support import runs
 from support import sitk as peer
+from support.runs import both
 
 
 def shifted(dtype=np.float64):
@@ -22,11 +21,15 @@ def test_walks_as_the_example_does(number):
     fixed, moving = shifted()
     chosen = load(f"sitk-example-{number}", {"stages.0.levels.0.iterations": 4})
 
-    ours = register(chosen, fixed, moving)
-    theirs = runs.run(chosen, fixed, moving, begin(chosen.stages[0], fixed, moving, None))
+    ours, theirs = both(chosen, fixed, moving)
 
-    np.testing.assert_allclose([p.params for p in ours.trace], theirs.params, rtol=0, atol=1e-9)
-    np.testing.assert_allclose([p.value for p in ours.trace], theirs.values, rtol=1e-9)
+    assert theirs.provenance["notes"] == []
+    walked, values = (
+        [[getattr(step, name) for step in result.trace] for result in (ours, theirs)]
+        for name in ("params", "value")
+    )
+    np.testing.assert_allclose(*walked, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(*values, rtol=1e-9)
 
 
 @pytest.mark.parametrize("number", [1, 2, 3, 4])

@@ -5,7 +5,8 @@ import SimpleITK as sitk
 
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
-from regframe.transforms import itk
+from regframe.peer.convert import image, transform
+from regframe.peer.convert import mask as of_mask
 from regframe.transforms.warp import Warp
 
 WINDOWS = ("hamming", "cosine", "welch", "lanczos", "blackman")
@@ -21,32 +22,8 @@ INTERPOLATORS = (
 )
 
 
-def image(ours: Image) -> sitk.Image:
-    """The same values and geometry."""
-    theirs = sitk.GetImageFromArray(ours.values)
-    theirs.SetSpacing(ours.grid.spacing)
-    theirs.SetOrigin(ours.grid.origin)
-    theirs.SetDirection([v for row in ours.grid.direction for v in row])
-    return theirs
-
-
 def mask(ours: Image) -> sitk.Image:
-    theirs = sitk.GetImageFromArray(ours.mask.astype(np.uint8))
-    theirs.CopyInformation(image(ours))
-    return theirs
-
-
-def transform(warp: Warp) -> sitk.Transform:
-    """The same parameters about the same centre."""
-    dim = warp.frame.dim
-    if type(warp.transform).__name__ == "BSpline":
-        theirs = sitk.BSplineTransform(dim, warp.transform.order)
-    else:
-        kind = itk.KINDS[type(warp.transform), dim]
-        theirs = getattr(sitk, kind)(*((dim,) if kind in itk.EITHER else ()))
-    theirs.SetFixedParameters(itk.fixed_parameters(warp.transform, warp.frame))
-    theirs.SetParameters(warp.params.tolist())
-    return theirs
+    return of_mask(ours.mask, ours.grid)
 
 
 def method(fixed: Image, moving: Image, interpolator: str) -> sitk.ImageRegistrationMethod:

@@ -1,0 +1,1 @@
+"""SimpleITK as a second engine, and the cross-check of both."""

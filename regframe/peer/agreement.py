@@ -1,0 +1,216 @@
+"""The standing report: how far each component and its twin agree, measured, as a table of the documents."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from inspect import cleandoc
+from math import ceil, log10
+from typing import Any
+
+import numpy as np
+
+from regframe.catalog import INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
+from regframe.component import Component
+from regframe.errors import NoTwin, RegframeError
+from regframe.geometry import Frame, Grid
+from regframe.image import Image
+from regframe.peer import components, twins, whole
+from regframe.peer.bench import Bench
+from regframe.peer.report import largest
+from regframe.preset import Level, Preset, Stage
+from regframe.transforms.warp import Warp
+
+HEAD = "| component | SimpleITK's | compared by | within | how it relates to ITK's |\n|---|---|---|---|---|"
+OPTIONS: Mapping[str, Mapping[str, Any]] = {"exhaustive": {"number_of_steps": [1]}}
+"""What is set for the measurement: a lattice that fits into the level's iterations."""
+LEVEL = Level(shrink=2, smooth=1.0, iterations=100)
+NONE = "none"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One component's line in the table."""
+
+    name: str
+    twin: str
+    way: str
+    within: float | None
+    unit: str
+    relation: str
+
+    def text(self) -> str:
+        """The line in Markdown."""
+        return f"| `{self.name}` | {self.twin} | {self.way} | {self.bound()} | {self.relation} |"
+
+    def bound(self) -> str:
+        """The difference rounded up to a power of ten, which other machines keep too."""
+        if self.within is None:
+            return "not compared"
+        return f"{bound(self.within):.0e} {self.unit}" if self.within else "equal bits"
+
+
+def bound(difference: float) -> float:
+    """The next power of ten above a difference.
+
+    Examples
+    --------
+    >>> bound(3e-13), bound(0.0)
+    (1e-12, 0.0)
+    """
+    return float(10.0 ** ceil(log10(difference))) if difference > 0 else 0.0
+
+
+def table() -> str:
+    """All components that regframe ships, by kind."""
+    parts = []
+    for kind, rows in sections().items():
+        parts += [f"### {kind.capitalize()}\n", HEAD, *(row.text() for row in rows), ""]
+    return "\n".join(parts)
+
+
+def sections() -> dict[str, list[Row]]:
+    """Measured rows of each kind."""
+    kinds: dict[str, tuple[Any, Callable[[Any], tuple[str, float, str]], Callable[[Any], str]]] = {
+        "metrics": (METRICS, _metric, lambda ours: _called(lambda m: twins.metric(ours, m))),
+        "transforms": (TRANSFORMS, _transform, _class_of),
+        "interpolators": (INTERPOLATORS, _interpolator, lambda ours: f"`{twins.interpolator(ours)}`"),
+        "optimizers": (
+            OPTIMIZERS,
+            _optimizer,
+            lambda ours: _called(lambda m: twins.optimizer(ours, m, 1, 1)),
+        ),
+    }
+    found: dict[str, list[Row]] = {}
+    for kind, (registry, measure, theirs) in kinds.items():
+        shipped = [name for name in registry.names() if registry.origin(name) == "regframe"]
+        made = [(name, registry.build({"type": name, **OPTIONS.get(name, {})})) for name in shipped]
+        found[kind] = [_row(name, ours, measure, theirs) for name, ours in made]
+    return found
+
+
+def _row(
+    name: str, ours: Component, measure: Callable[[Any], tuple[str, float, str]], theirs: Callable[[Any], str]
+) -> Row:
+    relation = _relation(ours)
+    try:
+        twin = theirs(ours)
+    except NoTwin:
+        return Row(name, NONE, "pairs only", None, "", relation)
+    try:
+        way, within, unit = measure(ours)
+    except RegframeError as error:
+        return Row(name, twin, f"not on the phantoms: {error}", None, "", relation)
+    return Row(name, twin, way, within, unit, relation)
+
+
+def _relation(ours: Component) -> str:
+    """What the class says of ITK: the sentences of its docstring that name it."""
+    text = " ".join(cleandoc(ours.__doc__ or "").split())
+    sentences = re.split(r"(?<=[.;]) (?=[A-Z`])", text)
+    told = " ".join(one for one in sentences if "ITK" in one or "itk::" in one).rstrip(";.")
+    return f"{told}.".replace("|", "\\|") if told else "The same."
+
+
+class _Recorder:
+    """Stands for a registration method and remembers which setters were called."""
+
+    def __init__(self) -> None:
+        self.called: list[str] = []
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        return lambda *_, **__: self.called.append(name)
+
+
+def _called(tell: Callable[[Any], None]) -> str:
+    recorder = _Recorder()
+    tell(recorder)
+    return ", ".join(f"`{name}`" for name in recorder.called)
+
+
+def _class_of(ours: Any) -> str:
+    frames = (Frame.about_centre(Grid.of_shape((8,) * dim)) for dim in ours.dimensions)
+    return ", ".join(dict.fromkeys(f"`{twins.transform(ours, frame).GetName()}`" for frame in frames))
+
+
+def _metric(ours: Any) -> tuple[str, float, str]:
+    bench = _bench(_dim2(), metric=ours)
+    sweeps = list(components.swept(bench))
+    apart = [components.along(bench, sweep, "").difference for sweep in sweeps]
+    slope = components.slope(bench, "")
+    way = "values along sweeps" if slope.difference is None else "values along sweeps, slope"
+    return way, largest(one for one in (*apart, slope.difference) if one is not None), "relative"
+
+
+def _transform(ours: Any) -> tuple[str, float, str]:
+    pairs = {2: _dim2, 3: _dim3}
+    benches = [_bench(pairs[dim](), transform=ours) for dim in ours.dimensions]
+    apart = [components.transform(bench, "").difference for bench in benches]
+    dims = " and ".join(f"{dim}-D" for dim in ours.dimensions)
+    return f"mapped points, {dims}", largest(one for one in apart if one is not None), "px"
+
+
+def _interpolator(ours: Any) -> tuple[str, float, str]:
+    benches = (
+        _bench(pair(), transform=TRANSFORMS.build("translation"), interpolator=ours)
+        for pair in (_dim2, _dim3)
+    )
+    apart = [components.interpolation(bench, "").difference for bench in benches]
+    return (
+        "values at random points, 2-D and 3-D",
+        largest(one for one in apart if one is not None),
+        "of the range",
+    )
+
+
+def _optimizer(ours: Any) -> tuple[str, float, str]:
+    stage = _stage(optimizer=ours)
+    runs = whole.run(Preset(stages=(stage,)), *_dim2())
+    if runs.simpleitk is None:
+        raise RegframeError(runs.refusal)
+    way = "whole run" if runs.alike else "answers only: the walks are not alike"
+    return way, whole.apart(runs.native.warp, runs.simpleitk.warp), "px"
+
+
+def _stage(**changes: Any) -> Stage:
+    parts = {
+        "transform": "similarity",
+        "interpolator": "linear",
+        "metric": "mean-squares",
+        "optimizer": "one-plus-one",
+    }
+    return Stage(**{**parts, "levels": (LEVEL,), **changes})
+
+
+def _bench(pair: tuple[Image, Image], **changes: Any) -> Bench:
+    fixed, moving = pair
+    stage = _stage(**changes)
+    frame = Frame.about_centre(fixed.grid)
+    params = stage.transform.identity(frame)
+    off = np.random.default_rng(4).normal(size=len(params)) / stage.transform.shift(params, frame)
+    return Bench(stage, 1, fixed, moving, Warp(stage.transform, params + off, frame))
+
+
+def _dim2() -> tuple[Image, Image]:
+    return _waves((40, 48))
+
+
+def _dim3() -> tuple[Image, Image]:
+    return _waves((14, 16, 18))
+
+
+def _waves(shape: tuple[int, ...]) -> tuple[Image, Image]:
+    """Two sums of waves, alike but for a shift and a shade; float64, so that nothing is rounded."""
+    places = np.indices(shape, dtype=np.float64)
+
+    def value(shift: float) -> "np.ndarray[Any, np.dtype[np.float64]]":
+        along = sum(np.sin((0.21 + 0.09 * axis) * (place - shift)) for axis, place in enumerate(places))
+        return np.asarray(100.0 + 30.0 * along + 10.0 * np.cos(0.13 * (places[0] - shift) * places[-1] / 9.0))
+
+    grid = Grid.of_shape(shape)
+    return Image(value(0.0), grid, name="fixed"), Image(value(0.8) + 2.0, grid, name="moving")
+
+
+def rows() -> Iterator[Row]:
+    """Every row, measured now."""
+    for found in sections().values():
+        yield from found

@@ -1,0 +1,122 @@
+"""A stage told to SimpleITK's registration method, part by part."""
+
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from regframe.engine.scales import coordinates
+from regframe.image import Image
+from regframe.kernels.jit import threads
+from regframe.peer import convert, twins
+from regframe.peer.twins import Terms
+from regframe.preset import Level, Stage
+from regframe.transforms.warp import Warp
+
+if TYPE_CHECKING:
+    from regframe.peer.twins import Method
+
+
+@dataclass(frozen=True)
+class Part:
+    """Levels of a stage that one call of SimpleITK can run, and their sampling seed."""
+
+    stage: Stage
+    levels: tuple[Level, ...]
+    seed: int
+
+
+def in_its_terms(stage: Stage, warp: Warp, fixed: Image, moving: Image) -> Terms:
+    """The stage as SimpleITK can run it from a warp, with notes on what is said otherwise.
+
+    Raises
+    ------
+    NoTwin
+    PresetError
+        A list of scales of the wrong length: SimpleITK would take ones in silence.
+    GeometryError
+        A parameter that moves nothing.
+    """
+    grid = fixed.grid.coarsen(stage.levels[0].shrink)
+    space, _ = coordinates(stage, warp.params, warp.frame, grid, moving.grid)
+    if stage.scales == "shift" and np.allclose(space.unit, 1.0, rtol=0, atol=1e-6):
+        # A translation's parameters are motion already.
+        stage = stage.model_copy(update={"scales": (1.0,) * len(space.unit)})
+    return twins.terms(stage.optimizer, stage, space.unit)
+
+
+def told(part: Part, fixed: Image, moving: Image) -> "Method":
+    """A method that knows metric, interpolator, masks, pyramid, samples and slopes; no optimizer yet."""
+    import SimpleITK as sitk
+
+    stage, levels = part.stage, part.levels
+    method = sitk.ImageRegistrationMethod()
+    method.SetNumberOfThreads(threads())
+    method.SetInterpolator(getattr(sitk, twins.interpolator(stage.interpolator)))
+    twins.metric(stage.metric, method)
+    if fixed.mask is not None:
+        method.SetMetricFixedMask(convert.mask(fixed.mask, fixed.grid))
+    if moving.mask is not None:
+        method.SetMetricMovingMask(convert.mask(moving.mask, moving.grid))
+    kinds = {"all": method.NONE, "regular": method.REGULAR, "random": method.RANDOM}
+    method.SetMetricSamplingStrategy(kinds[levels[0].sampling])
+    method.SetMetricSamplingPercentagePerLevel([level.fraction for level in levels], part.seed)
+    method.SetShrinkFactorsPerLevel([level.shrink for level in levels])
+    method.SetSmoothingSigmasPerLevel([level.smooth for level in levels])
+    # Off for searches without slopes too: it needs four pixels an axis and a gradient image a level.
+    method.SetMetricUseMovingImageGradientFilter(stage.gradient == "filtered")
+    return method
+
+
+def tell_optimizer(method: "Method", terms: Terms, iterations: int, seed: int) -> None:
+    """Tell a method the optimizer, and its scales where it bears them."""
+    twins.optimizer(terms.stage.optimizer, method, iterations, seed)
+    scales = terms.stage.scales
+    if not terms.scaled:
+        return
+    if isinstance(scales, tuple):
+        method.SetOptimizerScales(list(scales))
+        return
+    estimators: dict[str, Callable[[], None]] = {
+        "physical-shift": method.SetOptimizerScalesFromPhysicalShift,
+        "index-shift": method.SetOptimizerScalesFromIndexShift,
+        "jacobian": method.SetOptimizerScalesFromJacobian,
+    }
+    estimators[scales]()
+
+
+def parts(terms: Terms, seed: int) -> list[Part]:
+    """Runs of levels that SimpleITK can make in one call: equal iterations and kind of sampling."""
+    stage = terms.stage
+    found: list[list[Level]] = []
+    for level in stage.levels:
+        last = found[-1][-1] if found else None
+        if terms.together and last and (last.iterations, last.sampling) == (level.iterations, level.sampling):
+            found[-1].append(level)
+        else:
+            found.append([level])
+    whole = []
+    for levels in found:
+        whole.append(Part(stage, tuple(levels), seed))
+        seed += len(levels) * seeds_used(levels[0])
+    return whole
+
+
+def seeds_used(level: Level) -> int:
+    """Sampling seeds that a level uses up, in ITK and in ours."""
+    return {"all": 0, "regular": 1, "random": 2}[level.sampling]
+
+
+@contextmanager
+def quiet() -> Generator[None, None, None]:
+    """Keep ITK's warnings off the terminal; what they warn of shows in values and counts."""
+    import SimpleITK as sitk
+
+    shown = sitk.ProcessObject.GetGlobalWarningDisplay()
+    sitk.ProcessObject.SetGlobalWarningDisplay(False)
+    try:
+        yield
+    finally:
+        sitk.ProcessObject.SetGlobalWarningDisplay(shown)

@@ -1,0 +1,132 @@
+"""Single numbers asked of SimpleITK: a metric's value, its slope, smoothed and interpolated images."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from regframe.image import Image
+from regframe.io.convert import array_to_sitk
+from regframe.peer import convert, twins
+from regframe.peer.faults import translated
+from regframe.peer.method import Part, quiet, told
+from regframe.transforms.warp import Warp
+from regframe.types import Params, Points, Values
+
+if TYPE_CHECKING:
+    import SimpleITK as sitk
+
+    from regframe.peer.twins import Method
+
+LARGEST = 1e300
+"""ITK's value where nothing overlaps is the largest double; anything above this stands for it."""
+
+
+def value_and_count(part: Part, fixed: Image, moving: Image, warp: Warp) -> tuple[float, int]:
+    """Metric and number of samples that it counts, at the first level of a part.
+
+    Read in the event of a step of no length, the one way that follows sampling and pyramid.
+
+    Raises
+    ------
+    RegframeError
+        SimpleITK refuses.
+    """
+    import SimpleITK as sitk
+
+    method = told(part, fixed, moving)
+    method.SetMetricUseMovingImageGradientFilter(False)
+    seen: list[tuple[float, int]] = []
+    method.AddCommand(
+        sitk.sitkIterationEvent,
+        lambda: seen.append((method.GetMetricValue(), method.GetMetricNumberOfValidPoints())),
+    )
+    _one_step(method, convert.transform(warp), (fixed, moving), 1e-300)
+    value, count = seen[0]
+    return (float("inf") if value > LARGEST else value), count
+
+
+def derivative(part: Part, fixed: Image, moving: Image, warp: Warp) -> Params:
+    """d value / d params, uphill, read from one step of gradient descent.
+
+    A first short step tells how long the second may be: long enough that the position leaves few bits
+    behind, and short enough for families whose update is no sum.
+    """
+    method = told(part, fixed, moving)
+    method.SetOptimizerScales([1.0] * len(warp.params))
+    slope = np.zeros_like(warp.params)
+    rate = 1e-3
+    for _ in range(2):
+        moved = convert.transform(warp)
+        _one_step(method, moved, (fixed, moving), rate)
+        slope = -twins.step(warp.transform, warp.params, np.array(moved.GetParameters())) / rate
+        steepest = float(np.abs(slope).max())
+        if steepest == 0.0:
+            break
+        rate = 1.0 / steepest
+    return slope
+
+
+def smoothed(image: Image, sigma: float) -> Image:
+    """The image after SimpleITK's recursive Gaussian, as its registration method smooths a level."""
+    import SimpleITK as sitk
+
+    if sigma == 0.0:
+        return image
+    theirs = sitk.SmoothingRecursiveGaussian(convert.image(image), sigma)
+    # The filter gives float32 whatever it is given; the registration method casts back.
+    return image.with_rounded(sitk.GetArrayFromImage(theirs))
+
+
+def resampled(
+    image: Image, warp: Warp, grid: "sitk.Image", name: str, *, double: bool = True
+) -> NDArray[np.float64]:
+    """Values of an image on a grid through a warp, NaN outside; `double` keeps float64."""
+    import SimpleITK as sitk
+
+    kept = sitk.sitkFloat64 if double else convert.image(image).GetPixelID()
+    found = sitk.Resample(
+        convert.image(image), grid, convert.transform(warp), getattr(sitk, name), float("nan"), kept
+    )
+    return np.asarray(sitk.GetArrayFromImage(found), np.float64)
+
+
+def mapped(warp: Warp, points: Points) -> Points:
+    """Moving points of (n, dim) fixed points."""
+    theirs = convert.transform(warp)
+    return np.array([theirs.TransformPoint(list(map(float, point))) for point in points])
+
+
+def at_points(image: Image, points: Points, name: str, *, double: bool = True) -> Values:
+    """Values of an image at (n, dim) physical points, NaN outside.
+
+    SimpleITK reads points one by one and prefilters the image for each; a field that leads the pixels of
+    a thread of an image to the points reads them all at once.
+    """
+    import SimpleITK as sitk
+
+    dim = image.dim
+    thread = sitk.Image([len(points)] + [1] * (dim - 1), sitk.sitkUInt8)
+    origins = np.zeros_like(points)
+    origins[:, 0] = np.arange(len(points))
+    field = np.ascontiguousarray((points - origins).reshape((1,) * (dim - 1) + (len(points), dim)))
+    led = sitk.DisplacementFieldTransform(sitk.GetImageFromArray(field, isVector=True))
+    theirs = convert.image(image)
+    kept = sitk.sitkFloat64 if double else theirs.GetPixelID()
+    found = sitk.Resample(theirs, thread, led, getattr(sitk, name), float("nan"), kept)
+    return np.asarray(sitk.GetArrayFromImage(found), np.float64).ravel()
+
+
+def reference(image: Image) -> "sitk.Image":
+    """An empty image on the same grid."""
+    return array_to_sitk(np.zeros(image.grid.shape, np.uint8), image.grid)
+
+
+def _one_step(method: "Method", moved: "sitk.Transform", pair: tuple[Image, Image], rate: float) -> None:
+    method.SetOptimizerAsGradientDescent(rate, 1, -1e300, 100, method.Never)
+    method.SetInitialTransform(moved, True)
+    try:
+        with quiet():
+            method.Execute(*map(convert.image, pair))
+    except RuntimeError as error:
+        raise translated(error) from None

@@ -1,0 +1,105 @@
+"""Twins of the metrics, interpolators and transforms that regframe ships, three lines each."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from regframe.errors import NoTwin
+from regframe.geometry import Frame
+from regframe.interpolators.bspline import BSpline
+from regframe.interpolators.gaussian import Gaussian
+from regframe.interpolators.label_gaussian import LabelGaussian
+from regframe.interpolators.linear import Linear
+from regframe.interpolators.nearest import Nearest
+from regframe.interpolators.windowed_sinc import WindowedSinc
+from regframe.metrics.base import Pairs
+from regframe.metrics.correlation import Correlation
+from regframe.metrics.mattes import Mattes
+from regframe.metrics.mean_squares import MeanSquares
+from regframe.peer import twins
+from regframe.transforms import itk
+from regframe.transforms.base import Transform
+from regframe.transforms.bspline import BSpline as BSplineTransform
+
+if TYPE_CHECKING:
+    import SimpleITK as sitk
+
+    from regframe.peer.twins import Method
+
+
+@twins.metric.register(Correlation)
+def _(ours: Correlation, method: "Method") -> None:
+    method.SetMetricAsCorrelation()
+
+
+@twins.metric.register(Mattes)
+def _(ours: Mattes, method: "Method") -> None:
+    method.SetMetricAsMattesMutualInformation(ours.bins)
+
+
+@twins.counted.register(Mattes)
+def _(ours: Mattes, pairs: Pairs) -> int:
+    low, high = pairs.moving_range
+    return int(np.count_nonzero((pairs.weight > 0) & (pairs.moving >= low) & (pairs.moving <= high)))
+
+
+@twins.metric.register(MeanSquares)
+def _(ours: MeanSquares, method: "Method") -> None:
+    method.SetMetricAsMeanSquares()
+
+
+@twins.interpolator.register(BSpline)
+def _(ours: BSpline) -> str:
+    return f"sitkBSpline{ours.order}" if ours.order else "sitkNearestNeighbor"
+
+
+@twins.interpolator.register(Linear)
+def _(ours: Linear) -> str:
+    return "sitkLinear"
+
+
+@twins.interpolator.register(Nearest)
+def _(ours: Nearest) -> str:
+    return "sitkNearestNeighbor"
+
+
+@twins.interpolator.register(Gaussian)
+@twins.interpolator.register(LabelGaussian)
+def _(ours: Gaussian | LabelGaussian) -> str:
+    if ours != type(ours)():
+        message = (
+            f"SimpleITK's {type(ours).__name__} interpolator has no options, its sigma and cutoff are those "
+            f"that are default here. Got sigma {ours.sigma:g}, cutoff {ours.cutoff:g}. Leave them out."
+        )
+        raise NoTwin(message)
+    return f"sitk{type(ours).__name__}"
+
+
+@twins.interpolator.register(WindowedSinc)
+def _(ours: WindowedSinc) -> str:
+    return f"sitk{ours.window.capitalize()}WindowedSinc"
+
+
+@twins.transform.register(BSplineTransform)
+def _(ours: BSplineTransform, frame: Frame) -> "sitk.Transform":
+    import SimpleITK as sitk
+
+    return _placed(sitk.BSplineTransform(frame.dim, ours.order), ours, frame)
+
+
+def _of_kind(ours: Transform, frame: Frame) -> "sitk.Transform":
+    """An affine family's class by the table that transform files are written with."""
+    import SimpleITK as sitk
+
+    kind = itk.KINDS[type(ours), frame.dim]
+    made = getattr(sitk, kind)(*((frame.dim,) if kind in itk.EITHER else ()))
+    return _placed(made, ours, frame)
+
+
+for _family in {family for family, _ in itk.KINDS}:
+    twins.transform.register(_family, _of_kind)
+
+
+def _placed(theirs: "sitk.Transform", ours: Transform, frame: Frame) -> "sitk.Transform":
+    theirs.SetFixedParameters(itk.fixed_parameters(ours, frame))
+    return theirs

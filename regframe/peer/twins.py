@@ -1,0 +1,159 @@
+"""What SimpleITK calls each component: one short function a class, and plugins add their own.
+
+A twin is registered for a class, in three lines::
+
+    @twins.metric.register(MyMetric)
+    def _(ours: MyMetric, method: twins.Method) -> None:
+        method.SetMetricAsMeanSquares()
+
+Nothing heavy is imported here, so a plugin may do this beside its component.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from regframe.component import Component
+from regframe.errors import NoTwin
+from regframe.geometry import Frame
+from regframe.interpolators.base import Interpolator
+from regframe.metrics.base import Metric, Pairs
+from regframe.optimizers.base import Optimizer
+from regframe.preset import Stage
+from regframe.transforms.base import Transform
+from regframe.types import Params
+
+if TYPE_CHECKING:
+    import SimpleITK as sitk
+
+NEWTON = 40
+"""Rounds of a Newton iteration with the slopes at its start, enough for steps below one."""
+
+Method: TypeAlias = "sitk.ImageRegistrationMethod"
+
+
+@dataclass(frozen=True)
+class Terms:
+    """A stage said in ITK's own terms, so that both engines can walk it alike.
+
+    Parameters
+    ----------
+    stage : Stage
+    notes : tuple of str
+        What had to be said otherwise.
+    alike : bool
+        Whether both engines take the same steps; if not, only answers can be compared.
+    scaled : bool
+        Whether SimpleITK may be told scales; with L-BFGS-B they end the process.
+    together : bool
+        Whether one call may run several levels.
+    """
+
+    stage: Stage
+    notes: tuple[str, ...] = field(default=())
+    alike: bool = True
+    scaled: bool = True
+    together: bool = True
+
+
+@singledispatch
+def metric(ours: Metric, method: "Method") -> None:
+    """Tell SimpleITK the metric.
+
+    Raises
+    ------
+    NoTwin
+        SimpleITK has none such.
+    """
+    raise _missing(metric.registry, ours)
+
+
+@singledispatch
+def interpolator(ours: Interpolator) -> str:
+    """SimpleITK's name of the interpolator, such as ``sitkLinear``.
+
+    Raises
+    ------
+    NoTwin
+    """
+    raise _missing(interpolator.registry, ours)
+
+
+@singledispatch
+def transform(ours: Transform, frame: Frame) -> "sitk.Transform":
+    """SimpleITK's transform of the same parameters, about the frame's centre; parameters come later.
+
+    Raises
+    ------
+    NoTwin
+    """
+    raise _missing(transform.registry, ours)
+
+
+@singledispatch
+def optimizer(ours: Optimizer, method: "Method", iterations: int, seed: int) -> None:
+    """Tell SimpleITK the optimizer.
+
+    Raises
+    ------
+    NoTwin
+    """
+    raise _missing(optimizer.registry, ours)
+
+
+@singledispatch
+def terms(ours: Optimizer, stage: Stage, unit: Params) -> Terms:
+    """The stage of an optimizer in ITK's terms.
+
+    Parameters
+    ----------
+    unit : (p,) float64
+        Pixels (or mm) of motion per unit of each parameter, ones unless the stage's scales are `shift`.
+
+    Raises
+    ------
+    NoTwin
+        Steps in pixels of motion, of an optimizer that does not tell what they are in ITK.
+    """
+    if stage.scales == "shift":
+        message = (
+            f'{type(ours).__name__} does not say what scales = "shift" is in SimpleITK. Give `scales` as a '
+            f"list or an estimator's name, or register `regframe.peer.twins.terms` for it."
+        )
+        raise NoTwin(message)
+    return Terms(stage)
+
+
+@singledispatch
+def counted(ours: Metric, pairs: Pairs) -> int:
+    """How many samples a metric counts: those with weight, unless it drops more."""
+    return int(np.count_nonzero(pairs.weight))
+
+
+def step(ours: Transform, before: Params, after: Params) -> Params:
+    """The step that an ITK optimizer made to get from one position to the next.
+
+    Their difference, but for families whose `advance` composes rotations: there it is solved for.
+    """
+    found = after - before
+    if type(ours).advance is Transform.advance:
+        return found
+    small = 1e-6
+    slopes = np.array([ours.advance(before, small * axis) - before for axis in np.eye(len(before))]).T / small
+    for _ in range(NEWTON):
+        found = found + np.linalg.solve(slopes, after - ours.advance(before, found))
+    return found
+
+
+def _missing(table: Mapping[Any, object], ours: Component) -> NoTwin:
+    kinds = {Metric: "metric", Interpolator: "interpolator", Transform: "transform", Optimizer: "optimizer"}
+    kind = next(name for base, name in kinds.items() if isinstance(ours, base))
+    known = ", ".join(sorted(cls.__name__ for cls in table if cls not in {*kinds, object}))
+    name = type(ours).__name__
+    return NoTwin(
+        f"SimpleITK has no twin of the {kind} {name}. Those with one: {known}. Choose one of them, use the "
+        f"native engine, or register a twin: @regframe.peer.twins.{kind}.register({name})."
+    )
