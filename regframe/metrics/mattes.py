@@ -40,7 +40,7 @@ class Mattes(Metric):
         """Fixed bins of all samples and the moving axis.
 
         With bin width h = (max - min) / (bins - 4) and m = min / h - 2, a value v lies v / h - m bins
-        along its axis (equation 4 of the paper). Fixed bins divide, as ITK does: integer grey levels
+        along its axis. Fixed bins divide, as ITK does: integer grey levels
         fall exactly on bin edges, where the last bit decides.
         """
         low, high = pairs.fixed_range
@@ -55,7 +55,7 @@ class Mattes(Metric):
         """Negative mutual information.
 
         With P(k, l) the share of all windows that falls into fixed bin k and moving bin l, and pf and pm
-        its sums by row and column (equations 5 to 8 of the paper):
+        its sums by row and column:
         value = - sum P(k, l) ln( P(k, l) / (pf(k) pm(l)) ).
         """
         return _negative_information(self._joint(pairs)[0])
