@@ -79,7 +79,9 @@ def html(report: Report, picture: bytes) -> str:
     """A self-contained page."""
     title = f"Cross-check: {escape(report.preset.name)}"
     kind = "good" if report.agrees else "bad"
-    names = {key: escape(PurePath(text).name) for key, text in (("fixed", report.fixed), ("moving", report.moving))}
+    names = {
+        key: escape(PurePath(text).name) for key, text in (("fixed", report.fixed), ("moving", report.moving))
+    }
     introduction = INTRODUCTION.format(preset=escape(report.preset.name), seed=report.preset.seed, **names)
     inline = b64encode(picture).decode("ascii")
     parts = [
