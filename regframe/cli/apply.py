@@ -23,7 +23,7 @@ def apply(
     image: ImageFile,
     like: Like,
     out: Out,
-    interpolator: InterpolatorName = "linear",
+    interpolator: InterpolatorName = "bspline",
     fill: Fill = 0.0,
     force: Force = False,
 ) -> None:

@@ -65,7 +65,8 @@ def joint_histogram(result: Result, warp: Warp | Chain, *, bins: int = JOINT_BIN
         steps = (slice(None, None, coarse),) * grid.dim
         grid = _every(fixed, coarse)
         below, counted = below[steps], counted[steps]
-    above, inside = resample(moving.values, moving.grid, grid, warp, INTERPOLATORS.build("linear"))
+    way = result.preset.stages[-1].interpolator
+    above, inside = resample(moving.values, moving.grid, grid, warp, way)
     counted = counted & inside
     if moving.mask is not None:
         marked = moving.mask.astype(np.float64)

@@ -136,7 +136,8 @@ def _write(result: Result, folder: Path, figures: bool) -> None:
     from regframe.transforms import files
 
     fixed, moving = result.fixed, result.moving
-    aligned = align(moving, fixed.grid, result.warp)
+    # The run's own interpolator: what was compared is what is kept, and its kernels are compiled already.
+    aligned = align(moving, fixed.grid, result.warp, result.preset.stages[-1].interpolator)
     if aligned.dtype == np.float16:
         # No image format holds half-precision numbers.
         aligned = aligned.astype(np.float32)

@@ -7,7 +7,6 @@ from math import ceil, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from regframe.catalog import INTERPOLATORS
 from regframe.engine.base import Result
 from regframe.engine.resampling import resample
 from regframe.geometry import AffineMap, Frame, Grid
@@ -51,7 +50,7 @@ def planes(result: Result, warp: Warp | Chain | None = None) -> list[Plane]:
         Another map than the result's own, for instance the one it started from.
     """
     fixed, moving = result.fixed, result.moving
-    way, there = INTERPOLATORS.build("linear"), warp or result.warp
+    way, there = result.preset.stages[-1].interpolator, warp or result.warp
     stay = Warp.of_affine(AffineMap.identity(fixed.dim), Frame.about_centre(fixed.grid))
     fixed_tone, moving_tone = tone(fixed), tone(moving)
     found = []
