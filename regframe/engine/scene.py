@@ -1,5 +1,6 @@
 """One level's images made ready: smoothed, sampled, prefiltered."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,8 @@ from regframe.kernels.gaussian import smooth
 from regframe.kernels.rounding import round_single
 from regframe.preset import Level, Stage
 from regframe.types import Indices, Points, Values, Volume
+
+RUN = 2**16  # points whose coordinates are held at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,11 +111,26 @@ def _exact_places(grid: Grid, samples: Samples, fixed: Grid) -> tuple[AffineMap 
     Integer grey levels on histogram edges need that bit, and only the long way through physical points
     has it. Where one affine map gives the same numbers, as on camera grids, it is the quick way to them.
     """
-    indices = fixed.indices(grid.points(samples.all_indices()))
+    if samples.indices is not None:
+        return None, Samples(fixed.shape, fixed.indices(grid.points(samples.indices)))
     index_map = (fixed.point_to_index @ grid.index_to_point).reversed_axes()
-    if samples.indices is None and np.array_equal(mapped(samples, index_map), indices):
+    if all(
+        np.array_equal(mapped(Samples(grid.shape, run), index_map), fixed.indices(grid.points(run)))
+        for run in _runs(grid)
+    ):
         return index_map, samples
-    return None, Samples(fixed.shape, indices)
+    places, first = np.empty((grid.size, grid.dim)), 0
+    for run in _runs(grid):
+        places[first : first + len(run)] = fixed.indices(grid.points(run))
+        first += len(run)
+    return None, Samples(fixed.shape, places)
+
+
+def _runs(grid: Grid) -> Iterator[Indices]:
+    """Index of every grid point, x fastest, `RUN` at a time: all of a head's take half a gigabyte."""
+    for first in range(0, grid.size, RUN):
+        run = np.arange(first, min(first + RUN, grid.size))
+        yield np.stack(np.unravel_index(run, grid.shape), axis=1).astype(np.float64)
 
 
 def _volume(image: Image) -> Volume:
