@@ -16,6 +16,8 @@ METRICS: "Registry[Metric]" = Registry(
     "regframe.metrics.base:Metric",
     {
         "correlation": "regframe.metrics.correlation:Correlation",
+        "itk-joint-histogram-mi": "regframe.metrics.itk_joint_histogram_mi:ItkJointHistogramMi",
+        "joint-histogram-mi": "regframe.metrics.joint_histogram_mi:JointHistogramMi",
         "mattes": "regframe.metrics.mattes:Mattes",
         "mean-squares": "regframe.metrics.mean_squares:MeanSquares",
     },
