@@ -14,6 +14,7 @@ from regframe.interpolators.nearest import Nearest
 from regframe.interpolators.windowed_sinc import WindowedSinc
 from regframe.metrics.base import Pairs
 from regframe.metrics.correlation import Correlation
+from regframe.metrics.itk_joint_histogram_mi import ItkJointHistogramMi
 from regframe.metrics.mattes import Mattes
 from regframe.metrics.mean_squares import MeanSquares
 from regframe.peer import twins
@@ -41,6 +42,11 @@ def _(ours: Mattes, method: "Method") -> None:
 def _(ours: Mattes, pairs: Pairs) -> int:
     low, high = pairs.moving_range
     return int(np.count_nonzero((pairs.weight > 0) & (pairs.moving >= low) & (pairs.moving <= high)))
+
+
+@twins.metric.register(ItkJointHistogramMi)
+def _(ours: ItkJointHistogramMi, method: "Method") -> None:
+    method.SetMetricAsJointHistogramMutualInformation(ours.bins, ours.variance)
 
 
 @twins.metric.register(MeanSquares)
