@@ -15,6 +15,7 @@ METRICS: "Registry[Metric]" = Registry(
     "metric",
     "regframe.metrics.base:Metric",
     {
+        "ants-correlation": "regframe.metrics.ants_correlation:AntsCorrelation",
         "correlation": "regframe.metrics.correlation:Correlation",
         "itk-joint-histogram-mi": "regframe.metrics.itk_joint_histogram_mi:ItkJointHistogramMi",
         "joint-histogram-mi": "regframe.metrics.joint_histogram_mi:JointHistogramMi",

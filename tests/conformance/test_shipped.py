@@ -11,6 +11,7 @@ OPTIONS = {"window": {"low": 20.0, "high": 80.0}}
 VARIANTS = [(INTERPOLATORS, {"type": "bspline", "order": order}) for order in (0, 1, 2, 4, 5)] + [
     *((INTERPOLATORS, {"type": "windowed-sinc", "window": w}) for w in ("welch", "lanczos", "blackman")),
     (TRANSFORMS, {"type": "rigid", "order": "zyx"}),
+    (METRICS, {"type": "ants-correlation", "radius": 1}),
     (METRICS, {"type": "joint-histogram-mi", "bins": 40, "variance": 0.0}),
     (METRICS, {"type": "mattes", "bins": 12}),
     (OPTIMIZERS, {"type": "conjugate-gradient-line-search", "estimate_learning_rate": "never"}),
