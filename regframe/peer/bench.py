@@ -11,7 +11,7 @@ from regframe.engine.scales import Coordinates
 from regframe.engine.scene import prepare
 from regframe.geometry import Grid
 from regframe.image import Image
-from regframe.peer import probe
+from regframe.peer import probe, twins
 from regframe.peer.method import Part, seeds_used
 from regframe.preset import Stage
 from regframe.transforms.warp import Warp
@@ -56,6 +56,7 @@ class Bench:
         stage = self.stage
         if stage.gradient == "exact":
             stage = stage.model_copy(update={"gradient": "filtered"})
+        stage = stage.model_copy(update={"metric": twins.sloped(stage.metric)})
         scene, _ = prepare(stage, stage.levels[-1], self.fixed, self.moving, self.last_seed)
         ones = np.ones_like(self.warp.params)
         return Objective(stage, scene, self.warp.frame, Coordinates(np.zeros_like(ones), ones, ones))

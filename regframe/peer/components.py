@@ -100,7 +100,7 @@ def count(bench: Bench, what: str) -> Line:
 
 def slope(bench: Bench, what: str) -> Line:
     """The metric's slope by each pixel of motion, with ITK's gradient of the moving image."""
-    params, metric = bench.warp.params, bench.stage.metric
+    params, metric = bench.warp.params, bench.objective.stage.metric
     theirs = probe.derivative(bench.part, *bench.theirs, bench.warp)
     if metric.derivative(bench.objective.pairs(params)) is None:
         why = f"{type(metric).__name__} has no `derivative`, so ours are differences of values; see {SLOPES}"

@@ -12,7 +12,8 @@ from regframe.interpolators.label_gaussian import LabelGaussian
 from regframe.interpolators.linear import Linear
 from regframe.interpolators.nearest import Nearest
 from regframe.interpolators.windowed_sinc import WindowedSinc
-from regframe.metrics.base import Pairs
+from regframe.metrics.ants_correlation import AntsCorrelation
+from regframe.metrics.base import Metric, Pairs
 from regframe.metrics.correlation import Correlation
 from regframe.metrics.itk_joint_histogram_mi import ItkJointHistogramMi
 from regframe.metrics.mattes import Mattes
@@ -26,6 +27,11 @@ if TYPE_CHECKING:
     import SimpleITK as sitk
 
     from regframe.peer.twins import Method
+
+
+@twins.metric.register(AntsCorrelation)
+def _(ours: AntsCorrelation, method: "Method") -> None:
+    method.SetMetricAsANTSNeighborhoodCorrelation(ours.radius)
 
 
 @twins.metric.register(Correlation)
@@ -47,6 +53,12 @@ def _(ours: Mattes, pairs: Pairs) -> int:
 @twins.metric.register(ItkJointHistogramMi)
 def _(ours: ItkJointHistogramMi, method: "Method") -> None:
     method.SetMetricAsJointHistogramMutualInformation(ours.bins, ours.variance)
+
+
+@twins.sloped.register(AntsCorrelation)
+@twins.sloped.register(ItkJointHistogramMi)
+def _(ours: AntsCorrelation | ItkJointHistogramMi) -> Metric:
+    return ours.model_copy(update={"slope": "itk"})
 
 
 @twins.metric.register(MeanSquares)

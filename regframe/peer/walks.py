@@ -253,6 +253,7 @@ def _estimate(when: str, method: "Method") -> int:
 
 def itk_slopes(stage: Stage) -> tuple[Stage, tuple[str, ...]]:
     """The stage with a slope of the moving image that ITK has, and a note where that is a change."""
+    stage = _changed(stage, metric=twins.sloped(stage.metric))
     if stage.gradient != "exact":
         return stage, ()
     note = 'SimpleITK cannot take the slope of what it interpolates, so gradient = "filtered", its default'
