@@ -37,6 +37,19 @@ def test_value_and_valid_points(radius, interpolator, masked):
     assert value == pytest.approx(expected, rel=1e-9)  # both sides add and take away along running windows
 
 
+def test_value_of_single_precision_images():
+    """ITK rounds products of float32 intensities to float32; a metric here does not know of images."""
+    fixed, moving = peer.pair(dtype=np.float32)
+    warp = placed(fixed, "affine")
+    theirs = peer.method(fixed, moving, "linear")
+    theirs.SetMetricAsANTSNeighborhoodCorrelation(3)
+    ours = objective(fixed, moving, warp, "linear", metric={"type": NAME, "radius": 3})
+
+    value = ours.values(warp.params[None])[0]
+
+    assert value == pytest.approx(peer.value_and_count(theirs, fixed, moving, warp)[0], rel=1e-5)
+
+
 def test_value_in_space():
     fixed, moving = peer.pair((10, 12, 14), np.float64)
     warp = placed(fixed, "affine")
