@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from regframe.errors import ImageError
-from regframe.geometry import AffineMap, Frame
+from regframe.errors import GeometryError, ImageError
+from regframe.geometry import Frame
 from regframe.image import Image
 from regframe.preset import Stage
 from regframe.transforms.linear import about
@@ -48,13 +48,16 @@ def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None
 def _continued(stage: Stage, before: Warp | Chain) -> Warp:
     """The earlier map as a member of this stage's family, about the same centre."""
     frame = before.frame
-    if isinstance(before, Warp) and type(before.transform) is type(stage.transform):
+    # Equal options, not only the same class: another mesh or order gives the same numbers another meaning.
+    if isinstance(before, Warp) and before.transform == stage.transform:
         return Warp(stage.transform, before.params, frame)
     affine = before.as_affine()
     if affine is None:
-        # Only the same family can continue a curved map; from_affine of the corners' best fit would
-        # silently lose the curve.
-        return Warp(stage.transform, stage.transform.from_affine(AffineMap.identity(frame.dim), frame), frame)
+        message = (
+            f"{type(stage.transform).__name__} cannot continue a map that bends. Put this stage first, "
+            "or begin it with another `start`."
+        )
+        raise GeometryError(message)
     return Warp(stage.transform, stage.transform.from_affine(affine, frame), frame)
 
 
