@@ -1,6 +1,7 @@
 """Progress on the screen, as an observer of a run."""
 
 import sys
+from contextlib import AbstractContextManager, nullcontext
 from time import perf_counter
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
@@ -25,6 +26,15 @@ def manner(quiet: bool) -> Manner:
     if quiet:
         return "none"
     return "live" if sys.stderr.isatty() else "plain"
+
+
+def judging(manner: Manner) -> AbstractContextManager[object]:
+    """A sign on a terminal that a result is being judged."""
+    if manner != "live":
+        return nullcontext()
+    from rich.console import Console
+
+    return Console(stderr=True).status("judging the result ...")
 
 
 class Display:

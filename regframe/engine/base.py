@@ -3,8 +3,9 @@
 from abc import abstractmethod
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from regframe.component import Component
 from regframe.errors import GeometryError
@@ -13,6 +14,9 @@ from regframe.image import Image
 from regframe.preset import Preset
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Matrix, Params
+
+if TYPE_CHECKING:
+    from regframe.verdict.verdict import Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +121,29 @@ class Result:
         """From fixed to moving pixel, homogeneous: (3, 3) in 2-D, (4, 4) in 3-D."""
         return self.pixel_map.homogeneous()
 
-    def save(self, folder: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @cached_property
+    def verdict(self) -> "Verdict":
+        """Whether to trust the map: ``good``, ``doubtful``, ``failed`` or ``unjudged``, with its evidence.
+
+        Made when first asked for, which may take as long as the registration did, and kept.
+        """
+        from regframe.verdict.verdict import judge  # a verdict is built on results, not the reverse
+
+        return judge(self)
+
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        force: bool = False,
+        figures: bool = True,
+        verdict: bool = True,
+        keep_failed: bool = False,
+    ) -> Path:
         """Write the aligned image, overlays, plots, transform, result and trace.
+
+        When the verdict is ``failed``, the aligned image and the transform are not written, so that no
+        script picks up a wrong map.
 
         Parameters
         ----------
@@ -128,6 +153,10 @@ class Result:
             Overwrite files of an earlier result.
         figures : bool
             Write the pictures too.
+        verdict : bool
+            Write the verdict too, and heed it.
+        keep_failed : bool
+            Write everything whatever the verdict is.
 
         Raises
         ------
@@ -136,7 +165,9 @@ class Result:
         """
         from regframe.report.files import save  # the report is built on results, not the reverse
 
-        return save(self, Path(folder), force=force, figures=figures)
+        return save(
+            self, Path(folder), force=force, figures=figures, verdict=verdict, keep_failed=keep_failed
+        )
 
     def _repr_html_(self) -> str:
         from regframe.report.html import card
