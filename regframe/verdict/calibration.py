@@ -26,6 +26,9 @@ GOOD, FAILED = 0.9, 0.2
 MEASURED = ("mattes", "oriented-gradients")
 """Metrics of the last stage whose runs are in the table."""
 
+SMALLEST = 96
+"""Pixels along the shorter side of a frame, from which on frames are in the table."""
+
 NAMES = ("constant", "parts_near", "leftover", "rival", "edge_fit", "round_trip")
 """Of the coefficients; the last one is missing where no second search was made."""
 
@@ -80,6 +83,9 @@ def excuse(result: "Result") -> str:
         return "no runs on volumes were calibrated"
     if any(image.grid != Grid.of_shape(image.grid.shape) for image in (result.fixed, result.moving)):
         return "only camera frames, whose unit is the pixel, were calibrated"
+    smallest = min(min(image.grid.shape) for image in (result.fixed, result.moving))
+    if smallest < SMALLEST:
+        return f"no frames of less than {SMALLEST} pixels were calibrated, and one here has {smallest}"
     metric = METRICS.name_of(result.preset.stages[-1].metric)
     if metric not in MEASURED:
         return f"no runs with the metric {metric} were calibrated"
