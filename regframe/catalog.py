@@ -30,6 +30,8 @@ TRANSFORMS: "Registry[Transform]" = Registry(
     {
         "affine": "regframe.transforms.affine:Affine",
         "bspline": "regframe.transforms.bspline:BSpline",
+        "projective": "regframe.transforms.projective:Projective",
+        "projective-radial": "regframe.transforms.projective_radial:ProjectiveRadial",
         "rigid": "regframe.transforms.rigid:Rigid",
         "scale": "regframe.transforms.scale:Scale",
         "scale-skew-versor": "regframe.transforms.scale_skew_versor:ScaleSkewVersor",

@@ -1,5 +1,7 @@
 """Where a stage begins: the frame its parameters speak of, and their first values."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from regframe.errors import GeometryError, ImageError
@@ -29,14 +31,14 @@ def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None
     ImageError
         Centres of mass of an image without mass.
     """
-    transform, frame = stage.transform, Frame.about_centre(fixed.grid)
+    transform, frame = stage.transform, Frame.about_centre(fixed.grid, moving.grid)
     if stage.start == "previous" and before is not None:
-        return _continued(stage, before)
+        return _continued(stage, before, moving)
     if stage.start == "identity":
         return Warp(transform, transform.identity(frame), frame)
     unit = np.eye(fixed.dim)
     if stage.start == "moments":
-        frame = Frame(fixed.grid, _mass_centre(fixed))
+        frame = Frame(fixed.grid, _mass_centre(fixed), moving.grid)
         shift = _mass_centre(moving) - frame.centre
     else:
         shift = moving.grid.centre - frame.centre
@@ -45,20 +47,22 @@ def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None
     return Warp(transform, transform.from_affine(about(unit, shift, frame.centre), frame), frame)
 
 
-def _continued(stage: Stage, before: Warp | Chain) -> Warp:
+def _continued(stage: Stage, before: Warp | Chain, moving: Image) -> Warp:
     """The earlier map as a member of this stage's family, about the same centre."""
-    frame = before.frame
+    frame = replace(before.frame, moving=moving.grid)
     # Equal options, not only the same class: another mesh or order gives the same numbers another meaning.
     if isinstance(before, Warp) and before.transform == stage.transform:
         return Warp(stage.transform, before.params, frame)
-    affine = before.as_affine()
-    if affine is None:
+    affine, straight = before.as_affine(), before.as_homogeneous()
+    if affine is not None:
+        return Warp(stage.transform, stage.transform.from_affine(affine, frame), frame)
+    if straight is None:
         message = (
             f"{type(stage.transform).__name__} cannot continue a map that bends. Put this stage first, "
             "or begin it with another `start`."
         )
         raise GeometryError(message)
-    return Warp(stage.transform, stage.transform.from_affine(affine, frame), frame)
+    return Warp(stage.transform, stage.transform.from_homogeneous(straight, frame), frame)
 
 
 def _mass_centre(image: Image) -> Params:
