@@ -53,4 +53,5 @@ class Demons(Metric):
         pushes = (np.abs(difference) >= self.threshold) & (denominator >= FLAT)
         share = pairs.weight / (float(pairs.weight.max(initial=0.0)) or 1.0)
         strength = np.divide(difference * share, denominator, out=np.zeros_like(difference), where=pushes)
-        return np.multiply(slopes, -strength[:, None])
+        forces: Points = -strength[:, None] * slopes
+        return forces
