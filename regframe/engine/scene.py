@@ -32,8 +32,8 @@ class Scene:
         Points of it that are compared.
     fixed, weight : (n,) float64
         Fixed intensities there, and 1 where they exist and count.
-    moving : Image
-        Smoothed.
+    still, moving : Image
+        Fixed and moving image, smoothed.
     coefficients : volume
         The interpolator's, of the moving image.
     fixed_range, moving_range : tuple of float
@@ -43,6 +43,7 @@ class Scene:
     samples: Samples
     fixed: Values
     weight: Values
+    still: Image
     moving: Image
     coefficients: Volume
     fixed_range: tuple[float, float]
@@ -96,6 +97,7 @@ def prepare(stage: Stage, level: Level, fixed: Image, moving: Image, seed: int) 
             samples,
             values,
             weight,
+            fixed,
             moving,
             interpolator.prepare(_volume(moving)),
             fixed.range() if samples.indices is None else _sampled_range(fixed, at.all_indices(), weight),
