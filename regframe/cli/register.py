@@ -33,7 +33,8 @@ Settings = Annotated[
 ]
 Seed = Annotated[int | None, typer.Option(help="The preset's seed: same seed, same result.")]
 Start = Annotated[
-    Path | None, typer.Option(help="Begin at this ITK transform file instead of the preset's start.")
+    Path | None,
+    typer.Option(help="Begin at this transform.json or ITK transform file, not at the preset's start."),
 ]
 FixedMask = Annotated[Path | None, typer.Option(help="Image that is not 0 where fixed pixels count.")]
 MovingMask = Annotated[Path | None, typer.Option(help="Image that is not 0 where moving pixels count.")]

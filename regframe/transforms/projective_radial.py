@@ -76,7 +76,7 @@ class ProjectiveRadial(Transform):
         return np.concatenate([by_plane, by_fixed, by_moving])
 
     def shift(self, params: Params, frame: Frame) -> Params:
-        """Largest motion per unit of each parameter, (p,), over a net of points: corners need not move most."""
+        """Largest motion per unit of each parameter, (p,); over a net, as corners need not move most."""
         net = frame.grid.points(_net(frame.grid))
         return largest_motions(lambda at: self.map(at, net, frame), params)
 
