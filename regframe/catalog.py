@@ -17,6 +17,7 @@ METRICS: "Registry[Metric]" = Registry(
     {
         "ants-correlation": "regframe.metrics.ants_correlation:AntsCorrelation",
         "correlation": "regframe.metrics.correlation:Correlation",
+        "demons": "regframe.metrics.demons:Demons",
         "itk-joint-histogram-mi": "regframe.metrics.itk_joint_histogram_mi:ItkJointHistogramMi",
         "joint-histogram-mi": "regframe.metrics.joint_histogram_mi:JointHistogramMi",
         "mattes": "regframe.metrics.mattes:Mattes",

@@ -34,21 +34,25 @@ class Scene:
         Points of it that are compared.
     fixed, weight : (n,) float64
         Fixed intensities there, and 1 where they exist and count.
-    moving : Image
-        Smoothed.
+    still, moving : Image
+        Fixed and moving image, smoothed.
     coefficients : volume
         The interpolator's, of the moving image.
     fixed_range, moving_range : tuple of float
+    below : Warp or Chain, optional
+        From samples to the fixed image, where they do not lie on its grid.
     """
 
     grid: Grid
     samples: Samples
     fixed: Values
     weight: Values
+    still: Image
     moving: Image
     coefficients: Volume
     fixed_range: tuple[float, float]
     moving_range: tuple[float, float]
+    below: Warp | Chain | None = None
 
     @cached_property
     def complete(self) -> bool:
@@ -106,10 +110,12 @@ def prepare(
             samples,
             values,
             weight,
+            fixed,
             moving,
             interpolator.prepare(_volume(moving)),
             fixed.range() if samples.indices is None else _sampled_range(fixed, at.all_indices(), counted),
             moving.range(),
+            setting.below,
         ),
         seed,
     )

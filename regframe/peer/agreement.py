@@ -15,7 +15,8 @@ from regframe.engine.setting import Setting
 from regframe.errors import NoTwin, RegframeError
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
-from regframe.peer import components, twins, whole
+from regframe.metrics.base import Metric
+from regframe.peer import components, probe, twins, whole
 from regframe.peer.bench import Bench
 from regframe.peer.report import largest
 from regframe.preset import Level, Preset, Stage
@@ -134,12 +135,28 @@ def _class_of(ours: Any) -> str:
 
 
 def _metric(ours: Any) -> tuple[str, float, str]:
+    if type(ours).forces is not Metric.forces:
+        return _pushes(ours)
     bench = _bench(_dim2(), metric=ours)
     sweeps = list(components.swept(bench))
     apart = [components.along(bench, sweep, "").difference for sweep in sweeps]
     slope = components.slope(bench, "")
     way = "values along sweeps" if slope.difference is None else "values along sweeps, slope"
     return way, largest(one for one in (*apart, slope.difference) if one is not None), "relative"
+
+
+def _pushes(ours: Any) -> tuple[str, float, str]:
+    level = LEVEL.model_copy(update={"shrink": 1})  # a field has its points on the fixed image's grid
+    apart: list[float] = []
+    for pair in (_dim2(), _dim3()):
+        bench = _bench(pair, metric=ours, transform="translation", levels=(level,))
+        value, pushes = probe.pushed(bench.part, *bench.theirs, bench.warp)
+        pairs = bench.objective.pairs(bench.warp.params)
+        found = bench.objective.forces(pairs)
+        assert found is not None
+        apart.append(float(np.abs(found - pushes).max() / np.abs(pushes).max()))
+        apart.append(abs(ours.value(pairs) - value) / abs(value))
+    return "value and pushes on a displacement field, 2-D and 3-D", largest(apart), "relative"
 
 
 def _transform(ours: Any) -> tuple[str, float, str]:

@@ -76,6 +76,7 @@ def told(part: Part, fixed: Image, moving: Image) -> "Method":
     method.SetSmoothingSigmasPerLevel([level.smooth for level in levels])
     # Off for searches without slopes too: it needs four pixels an axis and a gradient image a level.
     method.SetMetricUseMovingImageGradientFilter(stage.gradient == "filtered")
+    method.SetMetricUseFixedImageGradientFilter(stage.gradient == "filtered")
     return method
 
 

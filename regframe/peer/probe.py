@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from regframe.image import Image
+from regframe.interpolators.base import Samples
 from regframe.io.convert import array_to_sitk
 from regframe.peer import convert, twins
 from regframe.peer.faults import translated
@@ -91,6 +92,33 @@ def derivative(part: Part, fixed: Image, moving: Image, warp: Warp) -> Params:
             break
         rate = 1.0 / steepest
     return slope
+
+
+def pushed(part: Part, fixed: Image, moving: Image, warp: Warp) -> tuple[float, Points]:
+    """Metric, and its uphill push on each grid point, of a displacement field that moves as a warp does.
+
+    SimpleITK has metrics, the demons, for such fields alone.
+
+    Raises
+    ------
+    RegframeError
+        SimpleITK refuses.
+    """
+    import SimpleITK as sitk
+
+    grid = fixed.grid
+    points = grid.points(Samples(grid.shape).all_indices())
+    motion = (warp(points) - points).reshape(*grid.shape, grid.dim)
+    field = sitk.GetImageFromArray(np.ascontiguousarray(motion), isVector=True)
+    field.CopyInformation(reference(fixed))
+    moved = sitk.DisplacementFieldTransform(field)
+    method, values = told(part, fixed, moving), []
+    method.AddCommand(sitk.sitkIterationEvent, lambda: values.append(method.GetMetricValue()))
+    method.SetOptimizerAsGradientDescent(1.0, 1, -1e300, 100, method.Never)
+    method.SetInitialTransform(moved, True)
+    _execute(method, (fixed, moving))
+    after = np.array(moved.GetParameters()).reshape(motion.shape)
+    return values[0], (motion - after).reshape(points.shape)
 
 
 def smoothed(image: Image, sigma: float) -> Image:
