@@ -22,6 +22,11 @@ METRICS: "Registry[Metric]" = Registry(
         "joint-histogram-mi": "regframe.metrics.joint_histogram_mi:JointHistogramMi",
         "mattes": "regframe.metrics.mattes:Mattes",
         "mean-squares": "regframe.metrics.mean_squares:MeanSquares",
+        "normalised-gradient-fields": (
+            "regframe.metrics.normalised_gradient_fields:NormalisedGradientFields"
+        ),
+        "normalised-mi": "regframe.metrics.normalised_mi:NormalisedMi",
+        "sum": "regframe.metrics.sum:Sum",
     },
 )
 
