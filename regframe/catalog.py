@@ -19,10 +19,16 @@ METRICS: "Registry[Metric]" = Registry(
     {
         "ants-correlation": "regframe.metrics.ants_correlation:AntsCorrelation",
         "correlation": "regframe.metrics.correlation:Correlation",
+        "demons": "regframe.metrics.demons:Demons",
         "itk-joint-histogram-mi": "regframe.metrics.itk_joint_histogram_mi:ItkJointHistogramMi",
         "joint-histogram-mi": "regframe.metrics.joint_histogram_mi:JointHistogramMi",
         "mattes": "regframe.metrics.mattes:Mattes",
         "mean-squares": "regframe.metrics.mean_squares:MeanSquares",
+        "normalised-gradient-fields": (
+            "regframe.metrics.normalised_gradient_fields:NormalisedGradientFields"
+        ),
+        "normalised-mi": "regframe.metrics.normalised_mi:NormalisedMi",
+        "sum": "regframe.metrics.sum:Sum",
     },
 )
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from regframe.component import Component
-from regframe.types import Values
+from regframe.types import Points, Values
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,5 +71,22 @@ class Metric(Component):
         """Hook: anything worth computing once a level; arrives in every later call as `pairs.prepared`.
 
         `pairs.moving` is not filled in yet; `pairs.fixed`, both ranges and the shape are.
+        """
+        return None
+
+    def forces(self, pairs: Pairs, slopes: Points, spacing: tuple[float, ...]) -> Points | None:
+        """Hook: what gradient optimizers follow in place of the slope of the value, as the demons do.
+
+        Parameters
+        ----------
+        slopes : (n, dim) float64, per mm, x first
+            Slope of the fixed image at the samples, as the stage's `gradient` says.
+        spacing : tuple of float, mm, x first
+            Of the fixed image.
+
+        Returns
+        -------
+        (n, dim) float64, physical, x first, or None
+            Uphill: a step against the force improves the match. 0 where the weight is 0.
         """
         return None

@@ -216,6 +216,22 @@ def check_holds_its_invariances(metric: Metric) -> None:
             )
 
 
+def check_forces_spare_weightless_samples(metric: Metric) -> None:
+    """`forces`, where a metric has them, are one finite vector a sample, and 0 where the weight is 0."""
+    if type(metric).forces is Metric.forces:
+        message = "the metric leaves forces to the slope of its value"
+        raise NotApplicable(message)
+    pairs = prepared(metric, example_pairs(shift=(0, 2)))
+    slopes = np.random.default_rng(8).normal(size=(len(pairs.fixed), 2))
+    forces = metric.forces(pairs, slopes, (1.0, 1.0))
+    require(
+        forces is not None and forces.shape == slopes.shape and bool(np.isfinite(forces).all()),
+        f"`forces` must give finite float64 of shape {slopes.shape}.",
+    )
+    away = pairs.weight == 0.0
+    require(forces is not None and not forces[away].any(), "`forces` must be 0 where the weight is 0.")
+
+
 def check_survives_constant_images(metric: Metric) -> None:
     """Flat images raise nothing and never look like a good match."""
     pairs = example_pairs()
@@ -258,6 +274,7 @@ CHECKS = (
     check_prefers_alignment,
     check_derivative_matches_differences,
     check_holds_its_invariances,
+    check_forces_spare_weightless_samples,
     check_survives_constant_images,
     check_survives_no_overlap,
 )
