@@ -252,12 +252,16 @@ class Frame:
         The fixed image's grid; distances and default scales are measured over its corners.
     centre : (dim,) float64
         Fixed point of rotation, scaling and shear, physical, x first.
+    lattice : Grid, optional
+        Where a map's control points or vectors lie, for families that have them, when it is not where they
+        lay them over the grid: a file has its own, and levels may refine it.
     moving : Grid, optional
         The moving image's grid, for transforms that speak of its lens.
     """
 
     grid: Grid
     centre: Params
+    lattice: Grid | None = None
     moving: Grid | None = None
 
     @property
@@ -268,8 +272,8 @@ class Frame:
     @classmethod
     def about_centre(cls, grid: Grid, moving: Grid | None = None) -> Self:
         """The frame whose centre is the grid's own."""
-        return cls(grid, grid.centre, moving)
+        return cls(grid, grid.centre, moving=moving)
 
     def swapped(self) -> "Frame":
         """The frame of the way back, about the moving grid's centre; the same where that is not known."""
-        return self if self.moving is None else Frame(self.moving, self.moving.centre, self.grid)
+        return self if self.moving is None else Frame(self.moving, self.moving.centre, moving=self.grid)

@@ -34,9 +34,10 @@ def record(warp: Warp) -> dict[str, Any]:
         "parameters": dict(zip(names, map(float, warp.params), strict=True)),
     }
     if warp.as_affine() is None:
-        # Such parameters are measured in the sizes of both images.
-        moving = warp.frame.moving
-        found["grids"] = [lattice(grid) for grid in (warp.frame.grid, moving) if grid is not None]
+        # Such parameters are measured in the sizes of the images, or belong to control points.
+        frame = warp.frame
+        grids = {"fixed": frame.grid, "moving": frame.moving, "lattice": frame.lattice}
+        found["grids"] = {name: lattice(grid) for name, grid in grids.items() if grid is not None}
     return found
 
 
@@ -83,11 +84,13 @@ def read(path: Path, grid: Grid) -> Warp | Chain:
 def warp_of(found: Mapping[str, Any], grid: Grid) -> Warp:
     """The warp of a `record`."""
     family = TRANSFORMS.build({"type": found["type"], **found.get("options", {})})
-    fixed, moving = grid, None
-    if "grids" in found:
-        fixed, *rest = (_grid(one) for one in found["grids"])
-        moving = rest[0] if rest else None
-    frame = Frame(fixed, np.array(found["centre"], np.float64), moving)
+    grids = {name: _grid(one) for name, one in found.get("grids", {}).items()}
+    frame = Frame(
+        grids.get("fixed", grid),
+        np.array(found["centre"], np.float64),
+        lattice=grids.get("lattice"),
+        moving=grids.get("moving"),
+    )
     params = np.array([found["parameters"][name] for name in family.names(frame)], np.float64)
     return Warp(family, params, frame)
 
