@@ -115,6 +115,17 @@ class Stage(Record):
             "scales as a list, one number a parameter."
         ),
     )
+    weights: tuple[Annotated[float, Field(ge=0, strict=True)], ...] | None = Field(
+        None,
+        description=(
+            "Factors on the slope by each parameter, ITK's weights, for optimizers that walk along slopes; "
+            "0 keeps a parameter as it is. All 1 unless given."
+        ),
+    )
+    frozen: tuple[str, ...] = Field(
+        (),
+        description="Parameters that stay as the stage finds them, by names as `regframe explain` tells.",
+    )
     gradient: Literal["exact", "filtered", "central"] = Field(
         "exact",
         description=(
@@ -123,6 +134,17 @@ class Stage(Record):
         ),
     )
     levels: tuple[Level, ...] = Field((Level(),), min_length=1, description="Run in the order listed.")
+
+    @model_validator(mode="after")
+    def _check_weights(self) -> Self:
+        if self.weights is None or self.optimizer.weighs:
+            return self
+        name = OPTIMIZERS.name_of(self.optimizer)
+        text = (
+            f"the optimizer {name!r} does not walk along slopes, so it has no use for weights. Got "
+            f"{list(self.weights)!r}. Write frozen = [...] with the names of parameters that must stay."
+        )
+        raise raised([fault(("weights",), text, self.weights)])
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:
