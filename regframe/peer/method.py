@@ -86,6 +86,7 @@ def told(part: Part, fixed: Image, moving: Image) -> "Method":
     method.SetMetricSamplingPercentagePerLevel([level.fraction for level in levels], part.seed)
     method.SetShrinkFactorsPerLevel([level.shrink for level in levels])
     method.SetSmoothingSigmasPerLevel([level.smooth for level in levels])
+    method.SetSmoothingSigmasAreSpecifiedInPhysicalUnits(stage.smooth_unit == "physical")
     # Off for searches without slopes too: it needs four pixels an axis and a gradient image a level.
     method.SetMetricUseMovingImageGradientFilter(stage.gradient == "filtered")
     method.SetMetricUseFixedImageGradientFilter(stage.gradient == "filtered")

@@ -16,7 +16,7 @@ from regframe.transforms.base import Transform
 
 LARGEST_SEED = 2**32 - 1
 
-Start = Literal["centres", "identity", "moments", "fields-of-view", "previous", "compose"]
+Start = Literal["centres", "identity", "moments", "principal-axes", "fields-of-view", "previous", "compose"]
 Estimator = Literal["shift", "physical-shift", "index-shift", "jacobian"]
 ESTIMATORS = ("shift", "physical-shift", "index-shift", "jacobian")
 
@@ -90,7 +90,8 @@ class Stage(Record):
     start: Start = Field(
         "centres",
         description=(
-            "Where the search begins: image centres on each other, no motion, centres of mass, equal fields "
+            "Where the search begins: image centres on each other, no motion, centres of mass, these and the "
+            "axes of the intensities' spread (the smallest turn that lays one on the other), equal fields "
             "of view (frames brought together by the ratio of their widths), or the stage before; stages "
             "after the first continue with `previous` unless told otherwise. `compose` keeps the map found "
             "so far as it is, and searches another one that is applied before it, from no motion."
@@ -125,6 +126,10 @@ class Stage(Record):
     frozen: tuple[str, ...] = Field(
         (),
         description="Parameters that stay as the stage finds them, by names as `regframe explain` tells.",
+    )
+    smooth_unit: Literal["physical", "voxels"] = Field(
+        "physical",
+        description=("Unit of the levels' `smooth`: mm (or pixels of a camera), or each image's own voxels."),
     )
     gradient: Literal["exact", "filtered", "central"] = Field(
         "exact",
