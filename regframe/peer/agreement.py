@@ -11,6 +11,7 @@ import numpy as np
 
 from regframe.catalog import INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
 from regframe.component import Component
+from regframe.engine.setting import Setting
 from regframe.errors import NoTwin, RegframeError
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
@@ -208,7 +209,7 @@ def _bench(pair: tuple[Image, Image], **changes: Any) -> Bench:
     frame = Frame.about_centre(fixed.grid)
     params = stage.transform.identity(frame)
     off = np.random.default_rng(4).normal(size=len(params)) / stage.transform.shift(params, frame)
-    return Bench(stage, 1, fixed, moving, Warp(stage.transform, params + off, frame))
+    return Bench(stage, 1, fixed, moving, Warp(stage.transform, params + off, frame), Setting(fixed.grid))
 
 
 def _dim2() -> tuple[Image, Image]:
