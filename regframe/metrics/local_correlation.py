@@ -40,6 +40,11 @@ class LocalCorrelation(Metric):
         """What the contrast allows."""
         return {"any": ("mono", "inverted"), "same": ("mono",), "inverted": ("inverted",)}[self.contrast]
 
+    @property
+    def invariant_to(self) -> tuple[str, ...]:  # type: ignore[override]  # the same
+        """Brightness and contrast; its sign only where that is free."""
+        return ("shift", "scale", "inversion") if self.contrast == "any" else ("shift", "scale")
+
     def value(self, pairs: Pairs) -> float:
         """- sum of w c / sum of w, with c = r, - r or r^2 and r = cov(f, m) / sqrt((vf + e) (vm + e'))."""
         return self._value(self._windows(pairs))

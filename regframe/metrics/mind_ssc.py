@@ -35,6 +35,7 @@ class MindSsc(Metric):
 
     layout: ClassVar[Literal["points", "grid"]] = "grid"
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     def prepare(self, pairs: Pairs) -> "Descriptor":
         """Descriptors of the fixed image."""
