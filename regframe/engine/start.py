@@ -4,14 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 
+from regframe.engine.moments import mass_centre, turn_between
 from regframe.engine.setting import Setting
-from regframe.errors import GeometryError, ImageError
+from regframe.errors import GeometryError
 from regframe.geometry import AffineMap, Frame
 from regframe.image import Image
 from regframe.preset import Stage
 from regframe.transforms.linear import about
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params
+
+BY_MASS = ("moments", "principal-axes")
+"""Starts that take the centre of mass for the centre."""
 
 
 def begin(
@@ -43,17 +47,19 @@ def begin(
     if stage.start in ("identity", "compose"):
         return Warp(transform, transform.identity(frame), frame)
     unit, centre = np.eye(fixed.dim), fixed.grid.centre
-    if stage.start == "moments":
-        centre = _mass_centre(fixed)
-        shift = _mass_centre(moving) - centre
+    if stage.start in BY_MASS:
+        centre = mass_centre(fixed)
+        shift = mass_centre(moving) - centre
     else:
         shift = moving.grid.centre - centre
     if stage.start == "fields-of-view":
         unit = unit * (moving.grid.extent[0] / fixed.grid.extent[0])
+    if stage.start == "principal-axes":
+        unit = turn_between(fixed, moving)
     first = about(unit, shift, centre)
     if setting.below is not None:
         first, centre = _behind(setting.below, first, centre)
-    if stage.start == "moments":
+    if stage.start in BY_MASS:
         frame = replace(frame, centre=centre)
     return Warp(transform, transform.from_affine(first, frame), frame)
 
@@ -81,26 +87,3 @@ def _continued(stage: Stage, before: Warp | Chain, moving: Image) -> Warp:
         )
         raise GeometryError(message)
     return Warp(stage.transform, stage.transform.from_homogeneous(straight, frame), frame)
-
-
-def _mass_centre(image: Image) -> Params:
-    """Intensity-weighted centre, physical; signed intensities without threshold, as in ITK."""
-    values = np.asarray(image.values, np.float64)
-    total = float(values.sum())
-    if total == 0.0:
-        message = (
-            f"{image.name}: its intensities sum to 0, so it has no centre of mass. "
-            'Use start = "centres", or shift the intensities with a filter.'
-        )
-        raise ImageError(message)
-    index = np.array(
-        [
-            float((values.sum(axis=_others(values.ndim, a)) * np.arange(n)).sum()) / total
-            for a, n in enumerate(values.shape)
-        ]
-    )
-    return np.asarray(image.grid.points(index[None])[0])
-
-
-def _others(dim: int, axis: int) -> tuple[int, ...]:
-    return tuple(other for other in range(dim) if other != axis)

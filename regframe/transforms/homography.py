@@ -6,12 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from regframe.errors import GeometryError
+from regframe.geometry import Grid
 from regframe.types import Mask, Matrix, Params, Points
 
 LEAST = 1e-6
 """Depth, and slope of a lens's law, below which a point counts as on or beyond the horizon."""
 FAR = 1e12
 """Where points without an image are put, mm: outside of any image, and yet a number."""
+
+
+STEP = 1e-5
+"""Change of a parameter by which motions are measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,19 +120,43 @@ def inverted(whole: Matrix) -> Matrix:
     return np.asarray(np.linalg.inv(whole), np.float64)
 
 
-def largest_motions(place: Callable[[Params], Points], params: Params, *, step: float = 1e-4) -> Params:
-    """Largest motion per unit of each parameter of the points that have an image, (p,).
+def largest_motions(
+    place: Callable[[Params, Points], Points], params: Params, points: Points, moving: Grid | None
+) -> Params:
+    """Largest motion of some points per unit of each parameter, (p,).
+
+    Points without an image do not count; and where the moving image is known, only those that land in it
+    do, if any: a lens or a perspective moves places far outside, which nobody sees, many times as far.
 
     Parameters
     ----------
     place : callable
-        Where some points go under given parameters, (n, 2).
+        Where points go under given parameters, (n, 2).
+    points : (n, 2) float64
+    moving : Grid or None
     """
-    here, found = place(params), np.zeros_like(params)
+    here, found = place(params, points), np.zeros_like(params)
+    if moving is not None:
+        seen = moving.inside(moving.indices(here))
+        if seen.any():
+            points, here = points[seen], here[seen]
     for i in range(len(params)):
         moved = params.copy()
-        moved[i] += step
-        there = place(moved)
+        moved[i] += STEP
+        there = place(moved, points)
         near = (np.abs(here).max(axis=1) < FAR) & (np.abs(there).max(axis=1) < FAR)
-        found[i] = np.sqrt(((there - here)[near] ** 2).sum(axis=1)).max(initial=0.0) / step
+        found[i] = np.sqrt(((there - here)[near] ** 2).sum(axis=1)).max(initial=0.0) / STEP
     return found
+
+
+def net(grid: Grid, count: int = 9) -> Points:
+    """Some of a grid's points, at most `count` an axis, corners included, (n, 2).
+
+    Examples
+    --------
+    >>> net(Grid.of_shape((480, 640)), count=2).tolist()
+    [[0.0, 0.0], [639.0, 0.0], [0.0, 479.0], [639.0, 479.0]]
+    """
+    lines = (np.unique(np.rint(np.linspace(0.0, n - 1.0, count))) for n in grid.shape)
+    axes = np.meshgrid(*lines, indexing="ij")
+    return grid.points(np.stack([axis.ravel() for axis in axes], axis=1))

@@ -6,7 +6,7 @@ import numpy as np
 
 from regframe.geometry import AffineMap, Frame
 from regframe.transforms.base import Inverse, Transform
-from regframe.transforms.homography import Homography, inverted, largest_motions
+from regframe.transforms.homography import Homography, inverted, largest_motions, net
 from regframe.transforms.linear import translation_about
 from regframe.types import Matrix, Params, Points
 
@@ -45,9 +45,12 @@ class Projective(Transform):
         return to_params_slope(homography(params, frame).parameter_gradient(points, forces), frame)
 
     def shift(self, params: Params, frame: Frame) -> Params:
-        """Largest motion over the grid's points per unit of each parameter, (p,)."""
-        corners = frame.grid.corners()
-        return largest_motions(lambda at: self.map(at, corners, frame), params)
+        """Largest motion per unit of each parameter, (p,); over a net, as corners need not move most."""
+
+        def place(at: Params, points: Points) -> Points:
+            return self.map(at, points, frame)
+
+        return largest_motions(place, params, net(frame.grid), frame.moving)
 
     def as_homogeneous(self, params: Params, frame: Frame) -> Matrix:
         """The (3, 3) matrix."""

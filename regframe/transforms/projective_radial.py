@@ -5,16 +5,13 @@ from typing import ClassVar, Self, final
 import numpy as np
 from pydantic import Field, model_validator
 
-from regframe.geometry import AffineMap, Frame, Grid
+from regframe.geometry import AffineMap, Frame
 from regframe.transforms.base import Inverse, Transform
-from regframe.transforms.homography import Homography, inverted, largest_motions
+from regframe.transforms.homography import Homography, inverted, largest_motions, net
 from regframe.transforms.lens import Lens
 from regframe.transforms.linear import translation_about
 from regframe.transforms.projective import homography, to_params, to_params_slope
-from regframe.types import Indices, Matrix, Params, Points
-
-NET = 9
-"""Points an axis at which a step of the parameters is measured."""
+from regframe.types import Matrix, Params, Points
 
 
 @final
@@ -77,8 +74,11 @@ class ProjectiveRadial(Transform):
 
     def shift(self, params: Params, frame: Frame) -> Params:
         """Largest motion per unit of each parameter, (p,); over a net, as corners need not move most."""
-        net = frame.grid.points(_net(frame.grid))
-        return largest_motions(lambda at: self.map(at, net, frame), params)
+
+        def place(at: Params, points: Points) -> Points:
+            return self.map(at, points, frame)
+
+        return largest_motions(place, params, net(frame.grid), frame.moving)
 
     def from_affine(self, affine: AffineMap, frame: Frame) -> Params:
         """The affine map itself, without distortion."""
@@ -107,10 +107,3 @@ class ProjectiveRadial(Transform):
 
     def _undistorted(self, plain: Params) -> Params:
         return np.concatenate([plain, np.zeros(self.fixed_coefficients + self.moving_coefficients)])
-
-
-def _net(grid: Grid) -> Indices:
-    """Some of the grid's indices, corners included, (n, 2)."""
-    lines = (np.unique(np.rint(np.linspace(0.0, n - 1.0, NET))) for n in grid.shape)
-    axes = np.meshgrid(*lines, indexing="ij")
-    return np.stack([axis.ravel() for axis in axes], axis=1)
