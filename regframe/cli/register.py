@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from regframe.cli.inputs import Domain, FixedInitial, MovingInitial, Start
+
 if TYPE_CHECKING:
-    from regframe.image import Image
     from regframe.preset import Preset
-    from regframe.transforms.warp import Chain, Warp
 
 Fixed = Annotated[
     Path, typer.Argument(metavar="FIXED", help="The image that stays, for instance the visual frame.")
@@ -33,9 +33,6 @@ Settings = Annotated[
     ),
 ]
 Seed = Annotated[int | None, typer.Option(help="The preset's seed: same seed, same result.")]
-Start = Annotated[
-    Path | None, typer.Option(help="Begin at this ITK transform file instead of the preset's start.")
-]
 FixedMask = Annotated[Path | None, typer.Option(help="Image that is not 0 where fixed pixels count.")]
 MovingMask = Annotated[Path | None, typer.Option(help="Image that is not 0 where moving pixels count.")]
 EngineName = Annotated[str, typer.Option(help="Who runs the preset: native, or simpleitk.")]
@@ -63,6 +60,9 @@ def register(
     settings: Settings = None,
     seed: Seed = None,
     start: Start = None,
+    moving_initial: MovingInitial = None,
+    fixed_initial: FixedInitial = None,
+    domain: Domain = None,
     fixed_mask: FixedMask = None,
     moving_mask: MovingMask = None,
     engine: EngineName = "native",
@@ -80,6 +80,7 @@ def register(
     """
     if threads is not None:
         os.environ["REGFRAME_THREADS"] = str(threads)
+    from regframe.cli import inputs
     from regframe.cli.display import Display, judging, manner
     from regframe.cli.outcome import Outcome
     from regframe.engine.run import register as align_pair
@@ -89,31 +90,17 @@ def register(
     if out is not None:
         files.check(out, force=force)
     resolved = resolve(preset, settings or [], seed, engine)
-    below, above, first = _read((fixed, moving), (fixed_mask, moving_mask), start)
+    known = inputs.Files(start, moving_initial, fixed_initial, domain)
+    below, above, place = inputs.everything(fixed, moving, (fixed_mask, moving_mask), known)
     way = manner(quiet or as_json)
     with Display(resolved, way) as display:
-        result = align_pair(resolved, below, above, engine=engine, observers=(display,), start=first)
+        result = align_pair(resolved, below, above, engine=engine, observers=(display,), start=place)
     with judging(way):
         outcome = Outcome.of(result, out, verdict=not no_verdict, keep_failed=keep_failed)
     outcome.save(force=force, figures=not no_figures)
     outcome.tell("json" if as_json else "line" if quiet else "full")
     if outcome.withheld:
         raise typer.Exit(1)
-
-
-def _read(
-    images: tuple[Path, Path], masks: tuple[Path | None, Path | None], start: Path | None
-) -> "tuple[Image, Image, Warp | Chain | None]":
-    """Both images with their masks, and the start; all must be there before one is read."""
-    from regframe.cli import inputs
-
-    roles = ("fixed image", "moving image", "fixed mask", "moving mask", "start")
-    for path, role in zip((*images, *masks, start), roles, strict=True):
-        if path is not None:
-            inputs.existing(path, role)
-    below = inputs.image(images[0], "fixed", masks[0])
-    above = inputs.image(images[1], "moving", masks[1])
-    return below, above, None if start is None else inputs.transform(start, below.grid)
 
 
 def resolve(name: str, settings: list[str], seed: int | None, engine: str) -> "Preset":

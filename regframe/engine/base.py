@@ -7,7 +7,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from regframe.component import Component
+from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap
 from regframe.image import Image
@@ -107,19 +110,31 @@ class Result:
 
     @property
     def pixel_map(self) -> AffineMap:
-        """From fixed to moving pixel, x first, pixel centres at whole numbers."""
+        """From fixed to moving pixel, x first, pixel centres at whole numbers; of affine warps alone."""
         affine = self.warp.as_affine()
         if affine is None:
             message = (
-                "This warp is not affine, so it has no single pixel matrix. Call `warp(points)` instead."
+                "This warp is not affine. Take `pixel_matrix` for a homography, else call `warp(points)`."
             )
             raise GeometryError(message)
         return self.moving.grid.point_to_index @ affine @ self.fixed.grid.index_to_point
 
     @property
     def pixel_matrix(self) -> Matrix:
-        """From fixed to moving pixel, homogeneous: (3, 3) in 2-D, (4, 4) in 3-D."""
-        return self.pixel_map.homogeneous()
+        """From fixed to moving pixel, homogeneous: (3, 3) in 2-D, (4, 4) in 3-D.
+
+        Of a homography the last component is the depth, by which the others are divided.
+        """
+        if self.warp.as_affine() is not None:
+            return self.pixel_map.homogeneous()
+        straight = self.warp.as_homogeneous()
+        if straight is None:
+            message = (
+                "This warp bends straight lines, so it has no pixel matrix. Call `warp(points)` instead."
+            )
+            raise GeometryError(message)
+        to_index, from_index = self.moving.grid.point_to_index, self.fixed.grid.index_to_point
+        return unit_depth(to_index.homogeneous() @ straight @ from_index.homogeneous())
 
     @cached_property
     def verdict(self) -> "Verdict":
@@ -175,19 +190,26 @@ class Result:
         return card(self)
 
 
+def unit_depth(whole: Matrix) -> Matrix:
+    """A homogeneous matrix scaled to depth 1 at the origin, as is customary, its sign kept."""
+    depth = abs(float(whole[-1, -1]))
+    return whole / depth if depth > np.finfo(np.float64).tiny else whole
+
+
 class Engine(Component):
     """Who runs a preset."""
 
     @abstractmethod
     def iterate(
-        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | None = None
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | Placement | None = None
     ) -> Generator[Progress, None, Result]:
         """Yield a Progress an iteration and return the Result.
 
         Parameters
         ----------
-        start : Warp or Chain, optional
-            Where the first stage begins, in place of its own `start`.
+        start : Warp, Chain or Placement, optional
+            Where the first stage begins, in place of its own `start`; or all that is known of the images'
+            places.
 
         Raises
         ------
