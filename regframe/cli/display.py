@@ -1,7 +1,6 @@
 """Progress on the screen, as an observer of a run."""
 
 import sys
-from contextlib import AbstractContextManager, nullcontext
 from time import perf_counter
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
@@ -26,15 +25,6 @@ def manner(quiet: bool) -> Manner:
     if quiet:
         return "none"
     return "live" if sys.stderr.isatty() else "plain"
-
-
-def judging(manner: Manner) -> AbstractContextManager[object]:
-    """A sign on a terminal that a result is being judged."""
-    if manner != "live":
-        return nullcontext()
-    from rich.console import Console
-
-    return Console(stderr=True).status("judging the result ...")
 
 
 class Display:
@@ -87,6 +77,11 @@ class Display:
         if self._live is not None and now >= self._due:
             self._due = now + 1 / REFRESHES_A_SECOND
             self._live.update(self._picture(progress), refresh=True)
+
+    def note(self, text: str) -> None:
+        """Say on a terminal what is done after the last iteration."""
+        if self._live is not None:
+            self._live.update(text, refresh=True)
 
     def _finish_level(self) -> None:
         last = self._last

@@ -51,9 +51,10 @@ class Outcome:
                 keep_failed=not self.withheld,
             )
 
-    def tell(self, manner: Literal["json", "line", "full"]) -> None:
-        """Print it."""
+    def tell(self, manner: Literal["json", "line", "full"]) -> int:
+        """Print it, and tell the exit code."""
         {"json": self._as_json, "line": self._in_a_line, "full": self._in_full}[manner]()
+        return int(self.withheld)
 
     def _as_json(self) -> None:
         """Print the record, the transform in it unless it is withheld."""

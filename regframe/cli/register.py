@@ -78,29 +78,29 @@ def register(
 
     The code is 1 when the verdict is "failed"; image and transform are withheld then, unless --keep-failed.
     """
-    if threads is not None:
-        os.environ["REGFRAME_THREADS"] = str(threads)
+    _use(threads)
     from regframe.cli import inputs
-    from regframe.cli.display import Display, judging, manner
+    from regframe.cli.display import Display, manner
     from regframe.cli.outcome import Outcome
     from regframe.engine.run import register as align_pair
     from regframe.report import files
 
     # Everything that can be refused is refused before the work begins.
-    if out is not None:
-        files.check(out, force=force)
+    files.check(out, force=force)
     resolved = resolve(preset, settings or [], seed, engine)
     known = inputs.Files(start, moving_initial, fixed_initial, domain)
     below, above, place = inputs.everything(fixed, moving, (fixed_mask, moving_mask), known)
-    way = manner(quiet or as_json)
-    with Display(resolved, way) as display:
+    with Display(resolved, manner(quiet or as_json)) as display:
         result = align_pair(resolved, below, above, engine=engine, observers=(display,), start=place)
-    with judging(way):
+        display.note("judging the result ...")
         outcome = Outcome.of(result, out, verdict=not no_verdict, keep_failed=keep_failed)
     outcome.save(force=force, figures=not no_figures)
-    outcome.tell("json" if as_json else "line" if quiet else "full")
-    if outcome.withheld:
-        raise typer.Exit(1)
+    raise typer.Exit(outcome.tell("json" if as_json else "line" if quiet else "full"))
+
+
+def _use(threads: int | None) -> None:
+    if threads is not None:
+        os.environ["REGFRAME_THREADS"] = str(threads)
 
 
 def resolve(name: str, settings: list[str], seed: int | None, engine: str) -> "Preset":
