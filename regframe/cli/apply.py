@@ -9,7 +9,10 @@ from regframe.cli import plugin_files
 from regframe.cli.plugin_files import Plugins
 
 TransformFile = Annotated[
-    Path, typer.Argument(metavar="TRANSFORM", help="ITK transform file: .tfm, .txt, .h5.")
+    Path,
+    typer.Argument(
+        metavar="TRANSFORM", help="A result's transform.json, or an ITK transform file: .tfm, .txt, .h5."
+    ),
 ]
 ImageFile = Annotated[Path, typer.Argument(metavar="IMAGE", help="The image to bring over.")]
 Like = Annotated[Path, typer.Option("--like", "-l", help="Image whose grid is wanted: the fixed one.")]
