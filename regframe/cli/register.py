@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from regframe.cli import plugin_files
 from regframe.cli.inputs import Domain, FixedInitial, MovingInitial, Start
+from regframe.cli.plugin_files import Plugins
 
 if TYPE_CHECKING:
     from regframe.preset import Preset
@@ -70,6 +72,7 @@ def register(
     no_figures: NoFigures = False,
     no_verdict: NoVerdict = False,
     keep_failed: KeepFailed = False,
+    plugin: Plugins = None,
     force: Force = False,
     quiet: Quiet = False,
     as_json: AsJson = False,
@@ -78,7 +81,7 @@ def register(
 
     The code is 1 when the verdict is "failed"; image and transform are withheld then, unless --keep-failed.
     """
-    _use(threads)
+    _use(threads, plugin)
     from regframe.cli import inputs
     from regframe.cli.display import Display, manner
     from regframe.cli.outcome import Outcome
@@ -98,9 +101,10 @@ def register(
     raise typer.Exit(outcome.tell("json" if as_json else "line" if quiet else "full"))
 
 
-def _use(threads: int | None) -> None:
+def _use(threads: int | None, plugin: Plugins) -> None:
     if threads is not None:
         os.environ["REGFRAME_THREADS"] = str(threads)
+    plugin_files.use(plugin)
 
 
 def resolve(name: str, settings: list[str], seed: int | None, engine: str) -> "Preset":
