@@ -21,6 +21,7 @@ METRICS: "Registry[Metric]" = Registry(
         "joint-histogram-mi": "regframe.metrics.joint_histogram_mi:JointHistogramMi",
         "mattes": "regframe.metrics.mattes:Mattes",
         "mean-squares": "regframe.metrics.mean_squares:MeanSquares",
+        "oriented-gradients": "regframe.metrics.oriented_gradients:OrientedGradients",
     },
 )
 

@@ -35,6 +35,8 @@ class Progress:
         Since the run began.
     evaluations : int
         Metric values computed so far in this level.
+    candidate : int
+        Which of a search's places is walked from, 0 for the best so far.
     """
 
     stage: int
@@ -46,6 +48,7 @@ class Progress:
     size: float
     seconds: float
     evaluations: int
+    candidate: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +66,34 @@ class LevelReport:
     stop: str
     seconds: float
     params: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A place that a search found, and how it fared on the levels it went through.
+
+    Parameters
+    ----------
+    warp : Warp
+        Where the search saw it.
+    value : float
+        The metric there, on the search's grid; lower is better.
+    overlap : float
+        Share of the smaller frame that lies within the larger.
+    magnification : float
+        Moving lengths over fixed ones.
+    found : Warp, optional
+        Where the last level it went through left it.
+    values : tuple of float
+        The metric at the end of each level it went through.
+    """
+
+    warp: Warp
+    value: float
+    overlap: float
+    magnification: float
+    found: Warp | None = None
+    values: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +119,8 @@ class Result:
         One entry an iteration.
     start : Warp or Chain, optional
         Where the first stage began.
+    candidates : tuple of Candidate
+        What a search found, the one that went on first; then those that came furthest, the best first.
     """
 
     warp: Warp | Chain
@@ -100,6 +133,7 @@ class Result:
     moving: Image
     trace: tuple[Progress, ...] = field(repr=False, default=())
     start: Warp | Chain | None = field(repr=False, default=None)
+    candidates: tuple[Candidate, ...] = field(repr=False, default=())
 
     @property
     def pixel_map(self) -> AffineMap:

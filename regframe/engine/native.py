@@ -1,19 +1,23 @@
 """Our own engine: stages, levels, and the loop around the optimizer."""
 
 from collections.abc import Generator
+from dataclasses import replace
 from time import perf_counter
 from typing import final
 
-from regframe.engine.base import Engine, LevelReport, Progress, Result
+import numpy as np
+
+from regframe.engine.base import Candidate, Engine, LevelReport, Progress, Result
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
 from regframe.engine.scene import Scene, prepare
+from regframe.engine.search import search
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
-from regframe.optimizers.base import Normals
-from regframe.preset import Preset, Stage
+from regframe.optimizers.base import Normals, Step
+from regframe.preset import Preset, Search, Stage
 from regframe.transforms.warp import Chain, Warp
 
 SMALLEST = 4  # pixels an axis
@@ -30,22 +34,71 @@ class Native(Engine):
         began = perf_counter()
         check_images(preset, fixed, moving)
         given, fixed, moving = (fixed, moving), *filtered(preset, fixed, moving)
-        trace: list[Progress] = []
-        reports: list[LevelReport] = []
+        run = _Run((fixed, moving), began)
         first: Warp | None = None
         for number, stage in enumerate(begun(preset.stages, start)):
             warp = begin(stage, fixed, moving, start)
             first = first or warp
             rng, seed = stage.optimizer.normals(preset.seed), preset.seed
+            places = searched(stage, fixed, moving, warp)
             for depth in range(len(stage.levels)):
-                run = _Level(stage, number, depth, seed)
-                warp, report = yield from run.walk((fixed, moving), warp, rng, trace, began)
-                seed = run.next_seed
-                reports.append(report)
-            start = warp
+                level = _Level(stage, number, depth, seed)
+                places = yield from run.level(level, places, rng)
+                seed = level.next_seed
+            start = places[0].found
+        assert isinstance(start, Warp)
         facts = provenance(preset, *given, seconds=perf_counter() - began)
-        last = reports[-1]
-        return Result(warp, last.value, last.stop, tuple(reports), preset, facts, *given, tuple(trace), first)
+        last = run.reports[-1]
+        return Result(
+            start,
+            last.value,
+            last.stop,
+            tuple(run.reports),
+            preset,
+            facts,
+            *given,
+            tuple(run.trace),
+            first,
+            tuple(run.candidates),
+        )
+
+
+def searched(stage: Stage, fixed: Image, moving: Image, warp: Warp) -> list[Candidate]:
+    """Where a stage's first level begins: one place, or those that a search found."""
+    if isinstance(stage.start, Search):
+        return list(search(stage, fixed, moving))
+    return [Candidate(warp, float("nan"), float("nan"), 1.0)]
+
+
+class _Run:
+    """What grows while a preset is run."""
+
+    def __init__(self, images: tuple[Image, Image], began: float) -> None:
+        self.images, self.began = images, began
+        self.trace: list[Progress] = []
+        self.reports: list[LevelReport] = []
+        self.candidates: list[Candidate] = []
+
+    def level(
+        self, level: "_Level", places: list[Candidate], rng: Normals
+    ) -> Generator[Progress, None, list[Candidate]]:
+        """Walk a level from the best places; all of them, those that were walked first and best first."""
+        going = places[: level.kept]
+        walked: list[tuple[Candidate, LevelReport, list[Progress]]] = []
+        for number, place in enumerate(going):
+            trace: list[Progress] = []
+            warp, report = yield from level.walk(
+                self.images, place.found or place.warp, rng, trace, self.began, number
+            )
+            ended = replace(place, found=warp, values=(*place.values, report.value))
+            walked.append((ended, report, trace))
+        walked.sort(key=lambda one: one[1].value)
+        self.reports.append(walked[0][1])
+        self.trace += walked[0][2]
+        ranked = [one for one, _, _ in walked] + places[level.kept :]
+        if isinstance(level.stage.start, Search):
+            self.candidates = ranked
+        return ranked
 
 
 def begun(stages: tuple[Stage, ...], start: Warp | Chain | None) -> tuple[Stage, ...]:
@@ -63,12 +116,26 @@ class _Level:
         self.level = stage.levels[depth]
         self.seed = self.next_seed = seed
 
+    @property
+    def kept(self) -> int:
+        """How many places the level is walked from."""
+        start = self.stage.start
+        if not isinstance(start, Search) or self.depth >= len(start.keep):
+            return 1
+        return start.keep[self.depth]
+
     def walk(
-        self, images: tuple[Image, Image], warp: Warp, rng: Normals, trace: list[Progress], began: float
+        self,
+        images: tuple[Image, Image],
+        warp: Warp,
+        rng: Normals,
+        trace: list[Progress],
+        began: float,
+        candidate: int,
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
-        scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed)
+        scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed, magnification(warp))
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
         steps = self.stage.optimizer.steps(objective, at, rng)
@@ -81,16 +148,22 @@ class _Level:
                 stop = str(end.value)
                 break
             at = step.params
-            place, seconds = (self.number, self.depth, count, limit), perf_counter() - began
-            trace.append(
-                Progress(*place, step.value, objective.settled(at), step.size, seconds, objective.evaluations)
-            )
+            when = (count, perf_counter() - began, candidate)
+            trace.append(self.progress(step, objective, *when))
             yield trace[-1]
         steps.close()
         found = Warp(warp.transform, objective.settled(at), warp.frame)
         return found, self.report(
             scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
         )
+
+    def progress(
+        self, step: Step, objective: Objective, count: int, seconds: float, candidate: int
+    ) -> Progress:
+        """An iteration as observers see it."""
+        place = (self.number, self.depth, count, self.level.iterations)
+        at = objective.settled(step.params)
+        return Progress(*place, step.value, at, step.size, seconds, objective.evaluations, candidate)
 
     def report(
         self,
@@ -115,6 +188,12 @@ class _Level:
             seconds=seconds,
             params=tuple(map(float, found.params)),
         )
+
+
+def magnification(warp: Warp) -> float:
+    """Moving lengths over fixed ones, about; 1 for maps that bend."""
+    affine = warp.as_affine()
+    return 1.0 if affine is None else float(abs(np.linalg.det(affine.matrix)) ** (1.0 / affine.dim))
 
 
 def filtered(preset: Preset, fixed: Image, moving: Image) -> tuple[Image, Image]:

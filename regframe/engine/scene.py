@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from regframe.engine.averaging import averaged, fitting
 from regframe.engine.sampling import draw
 from regframe.errors import NoOverlapError
 from regframe.geometry import AffineMap, Grid
@@ -72,8 +73,16 @@ def smoothed(image: Image, sigma: float) -> Image:
     return image.with_values(smooth(image.values, per_axis))
 
 
-def prepare(stage: Stage, level: Level, fixed: Image, moving: Image, seed: int) -> tuple[Scene, int]:
-    """The level's scene, and the sampling seed of the next level."""
+def prepare(
+    stage: Stage, level: Level, fixed: Image, moving: Image, seed: int, magnification: float = 1.0
+) -> tuple[Scene, int]:
+    """The level's scene, and the sampling seed of the next level.
+
+    `magnification` is moving over fixed lengths, for levels that average.
+    """
+    if level.fit is not None:
+        fixed = averaged(fixed, fitting(fixed.grid.shape, level.fit))
+        moving = averaged(moving, reduction(fixed.grid, moving.grid, magnification))
     grid = fixed.grid.coarsen(level.shrink)
     fixed, moving = smoothed(fixed, level.smooth), smoothed(moving, level.smooth)
     samples, seed = draw(level, grid, seed)
@@ -103,6 +112,11 @@ def prepare(stage: Stage, level: Level, fixed: Image, moving: Image, seed: int) 
         ),
         seed,
     )
+
+
+def reduction(fixed: Grid, moving: Grid, magnification: float) -> int:
+    """Whole number of moving pixels to a fixed grid point, at least 1."""
+    return max(1, int(min(fixed.spacing) * magnification / max(moving.spacing) + 0.25))
 
 
 def _exact_places(grid: Grid, samples: Samples, fixed: Grid) -> tuple[AffineMap | None, Samples]:

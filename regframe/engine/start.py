@@ -3,16 +3,16 @@
 import numpy as np
 
 from regframe.errors import GeometryError, ImageError
-from regframe.geometry import Frame
+from regframe.geometry import Frame, Grid
 from regframe.image import Image
-from regframe.preset import Stage
+from regframe.preset import Search, Stage
 from regframe.transforms.linear import about
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params
 
 
 def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None) -> Warp:
-    """The stage's first warp.
+    """The stage's first warp; before a search, the middle of what it looks at.
 
     Parameters
     ----------
@@ -42,7 +42,20 @@ def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None
         shift = moving.grid.centre - frame.centre
     if stage.start == "fields-of-view":
         unit = unit * (moving.grid.extent[0] / fixed.grid.extent[0])
+    if isinstance(stage.start, Search):
+        unit = unit * base_scale(stage.start, fixed.grid, moving.grid)
     return Warp(transform, transform.from_affine(about(unit, shift, frame.centre), frame), frame)
+
+
+def base_scale(options: Search, fixed: Grid, moving: Grid) -> float:
+    """Moving over fixed lengths at scale 1."""
+    if options.relative_to == "spacing":
+        return 1.0
+    ratio = float(moving.extent[0] / fixed.extent[0])
+    if options.fields_of_view_deg is None:
+        return ratio
+    below, above = np.tan(np.deg2rad(options.fields_of_view_deg) / 2)
+    return ratio * float(below / above)
 
 
 def _continued(stage: Stage, before: Warp | Chain) -> Warp:

@@ -4,11 +4,13 @@ from regframe.preset.files import as_toml, folder, load, names, parse, save, set
 from regframe.preset.model import Filters, Level, Preset, Stage, dump
 from regframe.preset.paths import differences
 from regframe.preset.schema import schema
+from regframe.preset.search import Search
 
 __all__ = [
     "Filters",
     "Level",
     "Preset",
+    "Search",
     "Stage",
     "as_toml",
     "differences",
