@@ -1,9 +1,13 @@
 """Coarser images by averaging whole blocks of pixels."""
 
+from dataclasses import replace
+
 import numpy as np
 
+from regframe.engine.setting import Setting
 from regframe.geometry import Grid
 from regframe.image import Image
+from regframe.transforms.warp import Chain, Warp
 from regframe.types import Volume
 
 COUNTS = 0.5
@@ -19,6 +23,32 @@ def fitting(shape: tuple[int, ...], most: int) -> int:
     (2, 3, 1)
     """
     return max(1, -(-max(shape) // most))
+
+
+def reduction(fixed: Grid, moving: Grid, magnification: float) -> int:
+    """Whole number of moving pixels to a fixed grid point, at least 1."""
+    return max(1, int(min(fixed.spacing) * magnification / max(moving.spacing) + 0.25))
+
+
+def magnification(warp: Warp | Chain) -> float:
+    """Moving lengths over fixed ones, about; 1 for maps that bend."""
+    affine = warp.as_affine()
+    return 1.0 if affine is None else float(abs(np.linalg.det(affine.matrix)) ** (1.0 / affine.dim))
+
+
+def fitted(
+    images: tuple[Image, Image], setting: Setting, warp: Warp | Chain, most: int
+) -> tuple[tuple[Image, Image], Setting]:
+    """Both images averaged until the domain has at most `most` points an axis, and the coarse domain.
+
+    The moving image is averaged to about the same spacing under a warp, so that both lose the same detail.
+    """
+    fixed, moving = images
+    domain, factor = setting.domain, fitting(setting.domain.shape, most)
+    below = averaged(fixed, factor)
+    coarse = below.grid if domain is fixed.grid else domain.coarsen(factor)
+    above = averaged(moving, reduction(coarse, moving.grid, magnification(warp)))
+    return (below, above), replace(setting, domain=coarse)
 
 
 def averaged(image: Image, factor: int) -> Image:

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from regframe.component import Component
+from regframe.engine.candidate import Candidate
+from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap
 from regframe.image import Image
@@ -66,34 +68,6 @@ class LevelReport:
     stop: str
     seconds: float
     params: tuple[float, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A place that a search found, and how it fared on the levels it went through.
-
-    Parameters
-    ----------
-    warp : Warp
-        Where the search saw it.
-    value : float
-        The metric there, on the search's grid; lower is better.
-    overlap : float
-        Share of the smaller frame that lies within the larger.
-    magnification : float
-        Moving lengths over fixed ones.
-    found : Warp, optional
-        Where the last level it went through left it.
-    values : tuple of float
-        The metric at the end of each level it went through.
-    """
-
-    warp: Warp
-    value: float
-    overlap: float
-    magnification: float
-    found: Warp | None = None
-    values: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,14 +157,15 @@ class Engine(Component):
 
     @abstractmethod
     def iterate(
-        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | None = None
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | Placement | None = None
     ) -> Generator[Progress, None, Result]:
         """Yield a Progress an iteration and return the Result.
 
         Parameters
         ----------
-        start : Warp or Chain, optional
-            Where the first stage begins, in place of its own `start`.
+        start : Warp, Chain or Placement, optional
+            Where the first stage begins, in place of its own `start`; or all that is known of the images'
+            places.
 
         Raises
         ------

@@ -1,18 +1,19 @@
 """Our own engine: stages, levels, and the loop around the optimizer."""
 
-from collections.abc import Generator
-from dataclasses import replace
+from collections.abc import Generator, Mapping
 from time import perf_counter
-from typing import final
+from typing import Any, final
 
-import numpy as np
-
-from regframe.engine.base import Candidate, Engine, LevelReport, Progress, Result
+from regframe.engine.averaging import fitted
+from regframe.engine.base import Engine, LevelReport, Progress, Result
+from regframe.engine.candidate import Candidate, Place
+from regframe.engine.followed import followed
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
 from regframe.engine.scene import Scene, prepare
 from regframe.engine.search import search
+from regframe.engine.setting import Placement, Setting, begun, opened
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
@@ -28,46 +29,36 @@ class Native(Engine):
     """Runs presets with regframe's own components."""
 
     def iterate(
-        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | None = None
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | Placement | None = None
     ) -> Generator[Progress, None, Result]:
         """Yield a Progress an iteration and return the Result."""
         began = perf_counter()
         check_images(preset, fixed, moving)
         given, fixed, moving = (fixed, moving), *filtered(preset, fixed, moving)
         run = _Run((fixed, moving), began)
-        first: Warp | None = None
-        for number, stage in enumerate(begun(preset.stages, start)):
-            warp = begin(stage, fixed, moving, start)
-            first = first or warp
+        place = Placement.of(start)
+        setting, before = opened(place, fixed), place.start
+        first: Warp | Chain | None = None
+        for number, stage in enumerate(begun(preset.stages, place)):
+            setting = setting.entered(stage, before)
+            warp = begin(stage, fixed, moving, before, setting)
+            first = first or setting.whole(warp)
             rng, seed = stage.optimizer.normals(preset.seed), preset.seed
-            places = searched(stage, fixed, moving, warp)
+            places = searched(stage, fixed, moving, warp, setting)
             for depth in range(len(stage.levels)):
-                level = _Level(stage, number, depth, seed)
+                level = _Level(stage, setting, (number, depth), seed)
                 places = yield from run.level(level, places, rng)
                 seed = level.next_seed
-            start = places[0].found
-        assert isinstance(start, Warp)
+            before = warp = places[0].found
         facts = provenance(preset, *given, seconds=perf_counter() - began)
-        last = run.reports[-1]
-        return Result(
-            start,
-            last.value,
-            last.stop,
-            tuple(run.reports),
-            preset,
-            facts,
-            *given,
-            tuple(run.trace),
-            first,
-            tuple(run.candidates),
-        )
+        return run.result(setting.whole(warp), preset, facts, given, first)
 
 
-def searched(stage: Stage, fixed: Image, moving: Image, warp: Warp) -> list[Candidate]:
+def searched(stage: Stage, fixed: Image, moving: Image, warp: Warp, setting: Setting) -> tuple[Place, ...]:
     """Where a stage's first level begins: one place, or those that a search found."""
     if isinstance(stage.start, Search):
-        return list(search(stage, fixed, moving))
-    return [Candidate(warp, float("nan"), float("nan"), 1.0)]
+        return search(stage, fixed, moving, setting)
+    return (Place(warp, warp),)
 
 
 class _Run:
@@ -77,52 +68,58 @@ class _Run:
         self.images, self.began = images, began
         self.trace: list[Progress] = []
         self.reports: list[LevelReport] = []
-        self.candidates: list[Candidate] = []
+        self.candidates: tuple[Candidate, ...] = ()
 
     def level(
-        self, level: "_Level", places: list[Candidate], rng: Normals
-    ) -> Generator[Progress, None, list[Candidate]]:
-        """Walk a level from the best places; all of them, those that were walked first and best first."""
-        going = places[: level.kept]
-        walked: list[tuple[Candidate, LevelReport, list[Progress]]] = []
-        for number, place in enumerate(going):
+        self, level: "_Level", places: tuple[Place, ...], rng: Normals
+    ) -> Generator[Progress, None, tuple[Place, ...]]:
+        """Walk a level from the best places; all of them, those that were walked before others, by value."""
+        walked: list[tuple[Place, LevelReport, list[Progress]]] = []
+        for number, place in enumerate(places[: level.kept]):
             trace: list[Progress] = []
-            warp, report = yield from level.walk(
-                self.images, place.found or place.warp, rng, trace, self.began, number
-            )
-            ended = replace(place, found=warp, values=(*place.values, report.value))
-            walked.append((ended, report, trace))
+            warp, report = yield from level.walk(self.images, place.found, rng, trace, self.began, number)
+            walked.append((place.walked(warp, report.value), report, trace))
         walked.sort(key=lambda one: one[1].value)
         self.reports.append(walked[0][1])
         self.trace += walked[0][2]
-        ranked = [one for one, _, _ in walked] + places[level.kept :]
-        if isinstance(level.stage.start, Search):
-            self.candidates = ranked
+        ranked = (*(one for one, _, _ in walked), *places[level.kept :])
+        if isinstance(level.start, Search):
+            self.candidates = tuple(one.candidate(level.setting) for one in ranked)
         return ranked
 
-
-def begun(stages: tuple[Stage, ...], start: Warp | Chain | None) -> tuple[Stage, ...]:
-    """The stages, the first one continuing a start given by the user."""
-    if start is None:
-        return stages
-    return (stages[0].model_copy(update={"start": "previous"}), *stages[1:])
+    def result(
+        self,
+        warp: Warp | Chain,
+        preset: Preset,
+        facts: Mapping[str, Any],
+        given: tuple[Image, Image],
+        first: Warp | Chain | None,
+    ) -> Result:
+        """What was found."""
+        last = self.reports[-1]
+        seen = (tuple(self.reports), preset, facts, *given, tuple(self.trace))
+        return Result(warp, last.value, last.stop, *seen, first, self.candidates)
 
 
 class _Level:
     """One level of a run."""
 
-    def __init__(self, stage: Stage, number: int, depth: int, seed: int) -> None:
-        self.stage, self.number, self.depth = stage, number, depth
-        self.level = stage.levels[depth]
+    def __init__(self, stage: Stage, setting: Setting, place: tuple[int, int], seed: int) -> None:
+        self.stage, self.setting = followed(stage, setting.beyond), setting
+        self.number, self.depth = place
+        self.level = stage.levels[self.depth]
         self.seed = self.next_seed = seed
+
+    @property
+    def start(self) -> str | Search:
+        """Where the stage began."""
+        return self.stage.start
 
     @property
     def kept(self) -> int:
         """How many places the level is walked from."""
         start = self.stage.start
-        if not isinstance(start, Search) or self.depth >= len(start.keep):
-            return 1
-        return start.keep[self.depth]
+        return start.keep[self.depth] if isinstance(start, Search) and self.depth < len(start.keep) else 1
 
     def walk(
         self,
@@ -135,7 +132,10 @@ class _Level:
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
-        scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed, magnification(warp))
+        setting = self.setting
+        if self.level.fit is not None:
+            images, setting = fitted(images, setting, setting.onward(warp), self.level.fit)
+        scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed, setting)
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
         steps = self.stage.optimizer.steps(objective, at, rng)
@@ -188,12 +188,6 @@ class _Level:
             seconds=seconds,
             params=tuple(map(float, found.params)),
         )
-
-
-def magnification(warp: Warp) -> float:
-    """Moving lengths over fixed ones, about; 1 for maps that bend."""
-    affine = warp.as_affine()
-    return 1.0 if affine is None else float(abs(np.linalg.det(affine.matrix)) ** (1.0 / affine.dim))
 
 
 def filtered(preset: Preset, fixed: Image, moving: Image) -> tuple[Image, Image]:

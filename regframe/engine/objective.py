@@ -5,15 +5,15 @@ from numpy.typing import NDArray
 
 from regframe.engine.scales import Coordinates, motion
 from regframe.engine.scene import Scene
-from regframe.engine.slopes import MovingSlopes
+from regframe.engine.slopes import MovingSlopes, of_fixed
 from regframe.errors import NoOverlapError
 from regframe.geometry import AffineMap, Frame
 from regframe.interpolators.base import Samples
 from regframe.interpolators.nearest import Nearest
 from regframe.kernels.rounding import round_single
-from regframe.metrics.base import Pairs
+from regframe.metrics.base import Metric, Pairs
 from regframe.preset import Stage
-from regframe.types import Indices, Params, Values
+from regframe.types import Indices, Params, Points, Values
 
 DIFFERENCE = 0.1  # grid spacings: wide enough that no single sample crossing a border decides a slope
 
@@ -28,6 +28,8 @@ class Objective:
         self.first = float("nan")
         self._prepared = stage.metric.prepare(self._pairs(np.zeros(0), scene.weight, None))
         self._slopes = MovingSlopes.of(stage, scene)
+        pushes = type(stage.metric).forces is not Metric.forces
+        self._fixed_slopes = of_fixed(stage, scene) if pushes else None
 
     def values(self, batch: NDArray[np.float64]) -> Values:
         """Metric at each row of a (b, p) batch, infinite where nothing overlaps."""
@@ -37,23 +39,36 @@ class Objective:
     def value_and_gradient(self, at: Params) -> tuple[float, Params]:
         """Metric and its slope, by the metric's derivative or by differences."""
         params = self.coordinates.params(at)
-        value, forces = self.stage.metric.value_and_derivative(self.pairs(params))
+        pairs = self.pairs(params)
+        value, slopes = self.stage.metric.value_and_derivative(pairs)
         if self._counted(value) == float("inf"):
             raise NoOverlapError(self._lost("on the way"))
-        if forces is None:
+        pushes = self.forces(pairs)
+        if pushes is not None:
+            transform, points = self.stage.transform, self.scene.points
+            return value, transform.parameter_gradient(
+                params, points, pushes, self.frame
+            ) / self.coordinates.unit
+        if slopes is None:
             return value, self._differences(at)
-        return value, self._slopes.pull(params, forces, self.frame) / self.coordinates.unit
+        return value, self._slopes.pull(params, slopes, self.frame) / self.coordinates.unit
+
+    def forces(self, pairs: Pairs) -> Points | None:
+        """What a metric that pushes points would do to each sample, (n, dim), uphill; None for others."""
+        if self._fixed_slopes is None:
+            return None
+        return self.stage.metric.forces(pairs, self._fixed_slopes, self.scene.still.grid.spacing)
 
     def settled(self, at: Params) -> Params:
         """The transform's parameters at coordinates, as they are reported: within the family's domain."""
         params = self.coordinates.params(at)
-        return self.stage.transform.advance(params, np.zeros_like(params))
+        return self.stage.transform.advance(params, np.zeros_like(params), self.frame)
 
     def advance(self, at: Params, step: Params) -> Params:
         """Coordinates after a step: the sum, and what the transform's own rule makes different from it."""
         params, moved = self.coordinates.params(at), step / self.coordinates.unit
         # The bracket is exactly 0 for transforms that add, so their coordinates keep the bits of a plain sum.
-        bent = self.stage.transform.advance(params, moved) - (params + moved)
+        bent = self.stage.transform.advance(params, moved, self.frame) - (params + moved)
         return at + step + bent * self.coordinates.unit
 
     def motion(self, at: Params, step: Params) -> float:

@@ -8,10 +8,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from regframe.engine.averaging import averaged, fitting
-from regframe.engine.base import Candidate
-from regframe.engine.scene import reduction
-from regframe.engine.start import base_scale
+from regframe.engine.averaging import averaged, fitting, magnification, reduction
+from regframe.engine.candidate import Place
+from regframe.engine.setting import Setting
+from regframe.engine.start import base_scale, placed_on
 from regframe.errors import GeometryError, NoOverlapError
 from regframe.geometry import AffineMap, Frame, Grid
 from regframe.image import Image
@@ -22,7 +22,6 @@ from regframe.kernels.jit import share
 from regframe.metrics.base import Pairs, Translations
 from regframe.preset import Search, Stage
 from regframe.transforms.linear import about, turn
-from regframe.transforms.warp import Warp
 from regframe.types import Params, Points, Volume
 
 EACH = 3
@@ -33,7 +32,7 @@ STRIDE = 2
 """Grid points between shifts where they are measured one by one."""
 
 
-def search(stage: Stage, fixed: Image, moving: Image) -> tuple[Candidate, ...]:
+def search(stage: Stage, fixed: Image, moving: Image, setting: Setting) -> tuple[Place, ...]:
     """Distinct places, the best first; as many as the first level is to keep.
 
     Parameters
@@ -42,6 +41,8 @@ def search(stage: Stage, fixed: Image, moving: Image) -> tuple[Candidate, ...]:
         Whose `start` is a Search.
     fixed, moving : Image
         After their filters.
+    setting : Setting
+        Whose domain the places speak of.
 
     Raises
     ------
@@ -55,9 +56,9 @@ def search(stage: Stage, fixed: Image, moving: Image) -> tuple[Candidate, ...]:
     if fixed.dim != 2:
         message = f"start: a search is for 2-D images. Got {fixed.dim}-D. Begin with centres or moments."
         raise GeometryError(message)
-    field = _Field(stage, options, fixed, moving)
+    field = _Field(stage, options, (fixed, moving), setting)
     places = field.places()
-    found: list[list[Candidate]] = [[] for _ in places]
+    found: list[list[Place]] = [[] for _ in places]
     share(partial(_score_places, field, places, found), len(places))
     ranked = sorted((one for few in found for one in few), key=lambda one: one.value)
     if not ranked:
@@ -66,23 +67,23 @@ def search(stage: Stage, fixed: Image, moving: Image) -> tuple[Candidate, ...]:
             f"{options.overlap:g}. Widen `shift`, or lower `overlap`."
         )
         raise NoOverlapError(message)
-    return distinct(ranked, options.keep[0], APART * min(field.grid.spacing))
+    return distinct(ranked, options.keep[0], setting.domain, APART * min(field.grid.spacing))
 
 
 def _score_places(
-    field: "_Field", places: list[tuple[float, float]], found: list[list[Candidate]], first: int, last: int
+    field: "_Field", places: list[tuple[float, float]], found: list[list[Place]], first: int, last: int
 ) -> None:
     for i in range(first, last):
         found[i] = field.score(*places[i])
 
 
-def distinct(ranked: list[Candidate], most: int, apart: float) -> tuple[Candidate, ...]:
+def distinct(ranked: list[Place], most: int, grid: Grid, apart: float) -> tuple[Place, ...]:
     """The first candidates of a list whose corners lie apart from those of all before, at most so many."""
-    kept: list[Candidate] = []
+    kept: list[Place] = []
     corners: list[Points] = []
     for one in ranked:
-        reached = one.warp(one.warp.frame.grid.corners())
-        limit = apart * one.magnification
+        reached = one.seen(grid.corners())
+        limit = apart * magnification(one.seen)
         if all(np.linalg.norm(reached - other, axis=1).mean() > limit for other in corners):
             kept.append(one)
             corners.append(reached)
@@ -103,8 +104,9 @@ class _Canvas:
 class _Field:
     """What a search looks at: the small fixed image, the moving one at some sizes, the bounds."""
 
-    def __init__(self, stage: Stage, options: Search, fixed: Image, moving: Image) -> None:
-        self.stage, self.options, self.moving = stage, options, moving
+    def __init__(self, stage: Stage, options: Search, images: tuple[Image, Image], setting: Setting) -> None:
+        fixed, moving = images
+        self.stage, self.options, self.moving, self.setting = stage, options, moving, setting
         self.frame = Frame.about_centre(fixed.grid)
         self.fixed = averaged(fixed, fitting(fixed.grid.shape, options.size))
         self.grid = self.fixed.grid
@@ -137,7 +139,7 @@ class _Field:
         back = transform.as_affine(transform.from_affine(target, self.frame), self.frame)
         return back is not None and bool(np.allclose(back.matrix, matrix, atol=1e-6))
 
-    def score(self, angle: float, scale: float) -> list[Candidate]:
+    def score(self, angle: float, scale: float) -> list[Place]:
         """The best few shifts at a rotation and a scale."""
         centred = about(
             self.unit * scale * turn(angle), self.moving.grid.centre - self.frame.centre, self.frame.centre
@@ -165,10 +167,8 @@ class _Field:
             move = np.array([off[1][x], off[0][y]], np.float64)
             shift = self.grid.index_to_point.matrix @ move
             affine = centred @ AffineMap(np.eye(2), shift)
-            warp = Warp(
-                self.stage.transform, self.stage.transform.from_affine(affine, self.frame), self.frame
-            )
-            found.append(Candidate(warp, float(bounded[y, x]), float(share_met[y, x]), self.unit * scale))
+            warp = placed_on(self.stage, affine, self.setting)
+            found.append(Place(warp, warp, float(bounded[y, x]), float(share_met[y, x])))
         return found
 
     def _reach(self, scale: float) -> tuple[float, float]:
@@ -185,9 +185,9 @@ class _Field:
         ]
         return self.options.shift * wide[0], self.options.shift * wide[1]
 
-    def _canvas(self, centred: AffineMap, magnification: float) -> _Canvas:
+    def _canvas(self, centred: AffineMap, scale: float) -> _Canvas:
         """The moving image under a map that brings the centres together."""
-        small = averaged(self.moving, reduction(self.grid, self.moving.grid, magnification))
+        small = averaged(self.moving, reduction(self.grid, self.moving.grid, scale))
         back = self.grid.point_to_index @ centred.inverse()
         corners = back(_outline(self.moving.grid))[:, ::-1]
         first, last = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)

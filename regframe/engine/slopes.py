@@ -6,6 +6,7 @@ import numpy as np
 
 from regframe.engine.scene import Scene
 from regframe.geometry import AffineMap, Frame, Grid
+from regframe.image import Image
 from regframe.interpolators.base import Samples
 from regframe.interpolators.linear import Linear
 from regframe.kernels.gaussian import gradient
@@ -14,32 +15,70 @@ from regframe.types import Indices, Matrix, Params, Points, Values, Volume
 
 
 @dataclass(frozen=True, eq=False)
-class MovingSlopes:
-    """The chain rule behind a metric's derivative.
+class ImageSlopes:
+    """How steep an image is between its pixels, in the stage's way.
 
     Parameters
     ----------
-    stage, scene
+    stage
+    image : Image
+        The level's.
     images : tuple of volumes
         ITK's gradient images along physical x, y (and z); empty in the other modes.
     """
 
     stage: Stage
-    scene: Scene
+    image: Image
     images: tuple[Volume, ...]
+
+    @classmethod
+    def of(cls, stage: Stage, image: Image) -> "ImageSlopes":
+        """Prepared for one level."""
+        images: tuple[Volume, ...] = ()
+        if stage.gradient == "filtered":
+            grid = image.grid
+            slopes = gradient(
+                image.values, max(grid.spacing), spacing=grid.spacing, direction=np.array(grid.direction)
+            )
+            images = tuple(slopes)
+        return cls(stage, image, images)
+
+    def at(self, indices: Indices, coefficients: Volume) -> Points:
+        """Slopes along the physical axes, x first, at indices of the image, which has these coefficients."""
+        grid = self.image.grid
+        if self.stage.gradient == "filtered":
+            at = Samples(grid.shape, np.clip(indices, 0.0, np.array(grid.shape) - 1.0))
+            return np.column_stack([Linear().resample(image, at, None)[0] for image in self.images])
+        if self.stage.gradient == "central":
+            return _central(np.ascontiguousarray(self.image.values, np.float64), indices, grid)
+        slopes = self.stage.interpolator.gradient(coefficients, indices)
+        return slopes[:, ::-1] @ grid.point_to_index.matrix
+
+
+def of_fixed(stage: Stage, scene: Scene) -> Points:
+    """Slope of the fixed image at a level's samples, (n, dim), 0 where they do not count."""
+    image, interpolator = scene.still, stage.interpolator
+    slopes, counts = np.zeros_like(scene.points), scene.weight > 0.0
+    points, below = scene.points[counts], scene.below
+    indices = np.ascontiguousarray(image.grid.indices(points if below is None else below(points)))
+    coefficients = interpolator.prepare(np.ascontiguousarray(image.values, np.float64))
+    found = ImageSlopes.of(stage, image).at(indices, coefficients)
+    slopes[counts] = found if below is None else below.pull(points, found)
+    return slopes
+
+
+@dataclass(frozen=True, eq=False)
+class MovingSlopes:
+    """The chain rule behind a metric's derivative."""
+
+    stage: Stage
+    scene: Scene
+    slopes: ImageSlopes
 
     @classmethod
     def of(cls, stage: Stage, scene: Scene) -> "MovingSlopes":
         """Prepared for one level."""
-        images: tuple[Volume, ...] = ()
-        if stage.gradient == "filtered":
-            moving = scene.moving
-            grid = moving.grid
-            slopes = gradient(
-                moving.values, max(grid.spacing), spacing=grid.spacing, direction=np.array(grid.direction)
-            )
-            images = tuple(slopes)
-        return cls(stage, scene, images)
+        return cls(stage, scene, ImageSlopes.of(stage, scene.moving))
 
     def pull(self, params: Params, forces: Values, frame: Frame) -> Params:
         """Slope of the metric by each parameter.
@@ -58,7 +97,7 @@ class MovingSlopes:
         indices = scene.moving.grid.indices(transform.map(params, points, frame))
         felt = forces != 0.0
         kept = np.ascontiguousarray(indices[felt])
-        slopes = forces[felt, None] * self._at(kept)
+        slopes = forces[felt, None] * self.slopes.at(kept, scene.coefficients)
         return transform.parameter_gradient(params, points[felt], slopes, frame)
 
     def _moments(self, affine: AffineMap, forces: Values) -> Matrix:
@@ -74,17 +113,6 @@ class MovingSlopes:
         force = to_index.matrix.T @ offset
         levered = to_index.matrix.T @ matrix @ from_index.matrix.T + np.outer(force, from_index.offset)
         return np.column_stack([levered, force])
-
-    def _at(self, indices: Indices) -> Points:
-        """Slope of the moving image along the physical axes, x first, at its indices."""
-        grid = self.scene.moving.grid
-        if self.stage.gradient == "filtered":
-            at = Samples(grid.shape, np.clip(indices, 0.0, np.array(grid.shape) - 1.0))
-            return np.column_stack([Linear().resample(image, at, None)[0] for image in self.images])
-        if self.stage.gradient == "central":
-            return _central(np.ascontiguousarray(self.scene.moving.values, np.float64), indices, grid)
-        slopes = self.stage.interpolator.gradient(self.scene.coefficients, indices)
-        return slopes[:, ::-1] @ grid.point_to_index.matrix
 
 
 def _central(volume: Volume, indices: Indices, grid: Grid) -> Points:

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from regframe.engine.setting import Setting
 from regframe.errors import GeometryError, ImageError
-from regframe.geometry import Frame, Grid
+from regframe.geometry import AffineMap, Frame, Grid
 from regframe.image import Image
 from regframe.preset import Search, Stage
 from regframe.transforms.linear import about
@@ -11,7 +12,9 @@ from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params
 
 
-def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None) -> Warp:
+def begin(
+    stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None, setting: Setting | None = None
+) -> Warp:
     """The stage's first warp; before a search, the middle of what it looks at.
 
     Parameters
@@ -21,6 +24,8 @@ def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None
         After their filters.
     before : Warp or Chain or None
         What the stage before found, or a start given by the user.
+    setting : Setting, optional
+        What stays around the map, when it is not the fixed image's grid alone.
 
     Raises
     ------
@@ -29,26 +34,43 @@ def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None
     ImageError
         Centres of mass of an image without mass.
     """
-    transform, frame = stage.transform, Frame.about_centre(fixed.grid)
+    setting = setting or Setting(fixed.grid)
+    transform, frame = stage.transform, Frame.about_centre(setting.domain)
     if stage.start == "previous" and before is not None:
         return _continued(stage, before)
-    if stage.start == "identity":
+    if stage.start in ("identity", "compose"):
         return Warp(transform, transform.identity(frame), frame)
-    unit = np.eye(fixed.dim)
+    unit, centre = np.eye(fixed.dim), fixed.grid.centre
     if stage.start == "moments":
-        frame = Frame(fixed.grid, _mass_centre(fixed))
-        shift = _mass_centre(moving) - frame.centre
+        centre = _mass_centre(fixed)
+        shift = _mass_centre(moving) - centre
     else:
-        shift = moving.grid.centre - frame.centre
+        shift = moving.grid.centre - centre
     if stage.start == "fields-of-view":
         unit = unit * (moving.grid.extent[0] / fixed.grid.extent[0])
     if isinstance(stage.start, Search):
         unit = unit * base_scale(stage.start, fixed.grid, moving.grid)
-    return Warp(transform, transform.from_affine(about(unit, shift, frame.centre), frame), frame)
+    first = about(unit, shift, centre)
+    if stage.start != "moments":
+        return placed_on(stage, first, setting)
+    if setting.below is not None:
+        first, centre = _behind(setting.below, first, centre)
+    frame = Frame(setting.domain, centre)
+    return Warp(transform, transform.from_affine(first, frame), frame)
+
+
+def placed_on(stage: Stage, first: AffineMap, setting: Setting) -> Warp:
+    """A map from the fixed to the moving image as a member of the stage's family over the domain."""
+    if setting.below is not None:
+        onto = setting.below.as_affine()
+        assert onto is not None  # a setting is refused otherwise
+        first = first @ onto
+    frame = Frame.about_centre(setting.domain)
+    return Warp(stage.transform, stage.transform.from_affine(first, frame), frame)
 
 
 def base_scale(options: Search, fixed: Grid, moving: Grid) -> float:
-    """Moving over fixed lengths at scale 1."""
+    """Moving over fixed lengths at a search's scale 1."""
     if options.relative_to == "spacing":
         return 1.0
     ratio = float(moving.extent[0] / fixed.extent[0])
@@ -56,6 +78,13 @@ def base_scale(options: Search, fixed: Grid, moving: Grid) -> float:
         return ratio
     below, above = np.tan(np.deg2rad(options.fields_of_view_deg) / 2)
     return ratio * float(below / above)
+
+
+def _behind(below: Warp | Chain, first: AffineMap, centre: Params) -> tuple[AffineMap, Params]:
+    """A map of the fixed image, and a point of it, as they are seen from the domain."""
+    onto = below.as_affine()
+    assert onto is not None  # a setting is refused otherwise
+    return first @ onto, np.asarray(onto.inverse()(centre[None])[0])
 
 
 def _continued(stage: Stage, before: Warp | Chain) -> Warp:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from regframe.component import Component
-from regframe.types import Values, Volume
+from regframe.types import Points, Values, Volume
 
 Translations = Callable[[Volume, Volume], tuple[Volume, Volume]]
 """From moving intensities and weights to the value and the shared weight at every whole translation."""
@@ -47,11 +47,14 @@ class Metric(Component):
 
     `layout` "grid" asks for whole grids in place of loose samples. `suits` lists the relations between the
     two images' intensities under which aligned images score best: "mono" (equal), "inverted",
-    "multimodal" (any); the conformance suite holds a metric to what it lists.
+    "multimodal" (any). `invariant_to` lists changes of the moving intensities that leave the value as it is:
+    "shift", "scale", "inversion", "monotone" (any rising curve). The conformance suite holds a metric to
+    what it lists.
     """
 
     layout: ClassVar[Literal["points", "grid"]] = "points"
     suits: ClassVar[tuple[str, ...]] = ("mono",)
+    invariant_to: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def value(self, pairs: Pairs) -> float:
@@ -72,6 +75,23 @@ class Metric(Component):
         """Hook: anything worth computing once a level; arrives in every later call as `pairs.prepared`.
 
         `pairs.moving` is not filled in yet; `pairs.fixed`, both ranges and the shape are.
+        """
+        return None
+
+    def forces(self, pairs: Pairs, slopes: Points, spacing: tuple[float, ...]) -> Points | None:
+        """Hook: what gradient optimizers follow in place of the slope of the value, as the demons do.
+
+        Parameters
+        ----------
+        slopes : (n, dim) float64, per mm, x first
+            Slope of the fixed image at the samples, as the stage's `gradient` says.
+        spacing : tuple of float, mm, x first
+            Of the fixed image.
+
+        Returns
+        -------
+        (n, dim) float64, physical, x first, or None
+            Uphill: a step against the force improves the match. 0 where the weight is 0.
         """
         return None
 

@@ -11,20 +11,26 @@ import numpy as np
 
 from regframe.catalog import INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
 from regframe.component import Component
+from regframe.engine.setting import Setting
 from regframe.errors import NoTwin, RegframeError
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
-from regframe.peer import components, twins, whole
+from regframe.metrics.base import Metric
+from regframe.peer import components, probe, twins, whole
 from regframe.peer.bench import Bench
 from regframe.peer.report import largest
 from regframe.preset import Level, Preset, Stage
 from regframe.transforms.warp import Warp
 
 HEAD = "| component | SimpleITK's | compared by | within | how it relates to ITK's |\n|---|---|---|---|---|"
-OPTIONS: Mapping[str, Mapping[str, Any]] = {"exhaustive": {"number_of_steps": [1]}}
-"""What is set for the measurement: a lattice that fits into the level's iterations."""
+OPTIONS: Mapping[str, Mapping[str, Any]] = {
+    "exhaustive": {"number_of_steps": [1]},
+    "sum": {"parts": ["mattes", "correlation"]},
+}
+"""What is set for the measurement: a lattice that fits into the level's iterations, and what must be."""
 LEVEL = Level(shrink=2, smooth=1.0, iterations=100)
 NONE = "none"
+SAME = "The same."
 
 
 @dataclass(frozen=True)
@@ -95,7 +101,7 @@ def _row(
     try:
         twin = theirs(ours)
     except NoTwin:
-        return Row(name, NONE, "pairs only", None, "", relation)
+        return Row(name, NONE, "pairs only", None, "", "Has no twin." if relation == SAME else relation)
     try:
         way, within, unit = measure(ours)
     except RegframeError as error:
@@ -108,7 +114,7 @@ def _relation(ours: Component) -> str:
     text = " ".join(cleandoc(ours.__doc__ or "").split())
     sentences = re.split(r"(?<=[.;]) (?=[A-Z`])", text)
     told = " ".join(one for one in sentences if "ITK" in one or "itk::" in one).rstrip(";.")
-    return f"{told}.".replace("|", "\\|") if told else "The same."
+    return f"{told}.".replace("|", "\\|") if told else SAME
 
 
 class _Recorder:
@@ -133,12 +139,28 @@ def _class_of(ours: Any) -> str:
 
 
 def _metric(ours: Any) -> tuple[str, float, str]:
+    if type(ours).forces is not Metric.forces:
+        return _pushes(ours)
     bench = _bench(_dim2(), metric=ours)
     sweeps = list(components.swept(bench))
     apart = [components.along(bench, sweep, "").difference for sweep in sweeps]
     slope = components.slope(bench, "")
     way = "values along sweeps" if slope.difference is None else "values along sweeps, slope"
     return way, largest(one for one in (*apart, slope.difference) if one is not None), "relative"
+
+
+def _pushes(ours: Any) -> tuple[str, float, str]:
+    level = LEVEL.model_copy(update={"shrink": 1})  # a field has its points on the fixed image's grid
+    apart: list[float] = []
+    for pair in (_dim2(), _dim3()):
+        bench = _bench(pair, metric=ours, transform="translation", levels=(level,))
+        value, pushes = probe.pushed(bench.part, *bench.theirs, bench.warp)
+        pairs = bench.objective.pairs(bench.warp.params)
+        found = bench.objective.forces(pairs)
+        assert found is not None
+        apart.append(float(np.abs(found - pushes).max() / np.abs(pushes).max()))
+        apart.append(abs(ours.value(pairs) - value) / abs(value))
+    return "value and pushes on a displacement field, 2-D and 3-D", largest(apart), "relative"
 
 
 def _transform(ours: Any) -> tuple[str, float, str]:
@@ -187,7 +209,7 @@ def _bench(pair: tuple[Image, Image], **changes: Any) -> Bench:
     frame = Frame.about_centre(fixed.grid)
     params = stage.transform.identity(frame)
     off = np.random.default_rng(4).normal(size=len(params)) / stage.transform.shift(params, frame)
-    return Bench(stage, 1, fixed, moving, Warp(stage.transform, params + off, frame))
+    return Bench(stage, 1, fixed, moving, Warp(stage.transform, params + off, frame), Setting(fixed.grid))
 
 
 def _dim2() -> tuple[Image, Image]:

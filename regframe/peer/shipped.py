@@ -15,6 +15,7 @@ from regframe.interpolators.windowed_sinc import WindowedSinc
 from regframe.metrics.ants_correlation import AntsCorrelation
 from regframe.metrics.base import Metric, Pairs
 from regframe.metrics.correlation import Correlation
+from regframe.metrics.demons import Demons
 from regframe.metrics.itk_joint_histogram_mi import ItkJointHistogramMi
 from regframe.metrics.mattes import Mattes
 from regframe.metrics.mean_squares import MeanSquares
@@ -37,6 +38,11 @@ def _(ours: AntsCorrelation, method: "Method") -> None:
 @twins.metric.register(Correlation)
 def _(ours: Correlation, method: "Method") -> None:
     method.SetMetricAsCorrelation()
+
+
+@twins.metric.register(Demons)
+def _(ours: Demons, method: "Method") -> None:
+    method.SetMetricAsDemons(ours.threshold)
 
 
 @twins.metric.register(Mattes)

@@ -18,7 +18,7 @@ from regframe.transforms.base import Transform
 
 LARGEST_SEED = 2**32 - 1
 
-STARTS = ("centres", "identity", "moments", "fields-of-view", "previous", "search")
+STARTS = ("centres", "identity", "moments", "fields-of-view", "previous", "compose", "search")
 Estimator = Literal["shift", "physical-shift", "index-shift", "jacobian"]
 ESTIMATORS = ("shift", "physical-shift", "index-shift", "jacobian")
 
@@ -57,7 +57,7 @@ def _check_start(met: object) -> object:
 
 
 Start = Annotated[
-    Literal["centres", "identity", "moments", "fields-of-view", "previous"] | Search,
+    Literal["centres", "identity", "moments", "fields-of-view", "previous", "compose"] | Search,
     BeforeValidator(_check_start),
 ]
 
@@ -125,7 +125,8 @@ class Stage(Record):
             "Where the search begins: image centres on each other, no motion, centres of mass, equal fields "
             "of view (frames brought together by the ratio of their widths), the stage before, or a search "
             "over rotations, scales and shifts (`search`, or a table of its options); stages after the first "
-            "continue with `previous` unless told otherwise."
+            "continue with `previous` unless told otherwise. `compose` keeps the map found so far as it is, "
+            "and looks for another one that is applied before it, from no motion."
         ),
     )
     transform: Annotated[Transform, TRANSFORMS] = Field(
@@ -204,9 +205,10 @@ class Preset(Record):
 
 
 def _start_faults(stages: tuple[Stage, ...]) -> Iterator[InitErrorDetails]:
-    if stages[0].start == "previous":
-        text = 'the first stage has none before it. Got \'previous\'. Write "centres" or "fields-of-view".'
-        yield fault((0, "start"), text, "previous")
+    first = stages[0].start
+    if first in ("previous", "compose"):
+        text = f'the first stage has none before it. Got {first!r}. Write "centres" or "fields-of-view".'
+        yield fault((0, "start"), text, first)
 
 
 def _continued(stage: Stage) -> Stage:
