@@ -8,6 +8,7 @@ from regframe.engine.averaging import fitted
 from regframe.engine.base import Engine, LevelReport, Progress, Result
 from regframe.engine.candidate import Candidate, Place
 from regframe.engine.followed import followed
+from regframe.engine.freedom import shown
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
@@ -20,6 +21,7 @@ from regframe.image import Image
 from regframe.optimizers.base import Normals, Step
 from regframe.preset import Preset, Search, Stage
 from regframe.transforms.warp import Chain, Warp
+from regframe.types import Params
 
 SMALLEST = 4  # pixels an axis
 
@@ -132,13 +134,11 @@ class _Level:
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
-        setting = self.setting
-        if self.level.fit is not None:
-            images, setting = fitted(images, setting, setting.onward(warp), self.level.fit)
-        scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed, setting)
+        scene, self.next_seed = self.scene(images, warp)
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
-        steps = self.stage.optimizer.steps(objective, at, rng)
+        problem = shown(objective, self.stage, at, space.free)
+        steps = self.stage.optimizer.steps(problem, at[problem.free], rng)
         limit, before = self.level.iterations, len(trace)
         stop = f"the limit of {limit} iterations"
         for count in range(limit):
@@ -147,9 +147,9 @@ class _Level:
             except StopIteration as end:
                 stop = str(end.value)
                 break
-            at = step.params
+            at = problem.whole(step.params)
             when = (count, perf_counter() - began, candidate)
-            trace.append(self.progress(step, objective, *when))
+            trace.append(self.progress(step, objective, at, *when))
             yield trace[-1]
         steps.close()
         found = Warp(warp.transform, objective.settled(at), warp.frame)
@@ -157,13 +157,20 @@ class _Level:
             scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
         )
 
+    def scene(self, images: tuple[Image, Image], warp: Warp) -> tuple[Scene, int]:
+        """The level's scene, and the sampling seed of the next level."""
+        setting = self.setting
+        if self.level.fit is not None:
+            images, setting = fitted(images, setting, setting.onward(warp), self.level.fit)
+        return prepare(self.stage, self.level, *images, self.seed, setting)
+
     def progress(
-        self, step: Step, objective: Objective, count: int, seconds: float, candidate: int
+        self, step: Step, objective: Objective, at: Params, count: int, seconds: float, candidate: int
     ) -> Progress:
         """An iteration as observers see it."""
         place = (self.number, self.depth, count, self.level.iterations)
-        at = objective.settled(step.params)
-        return Progress(*place, step.value, at, step.size, seconds, objective.evaluations, candidate)
+        done = (step.size, seconds, objective.evaluations, candidate)
+        return Progress(*place, step.value, objective.settled(at), *done)
 
     def report(
         self,

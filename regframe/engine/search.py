@@ -107,7 +107,7 @@ class _Field:
     def __init__(self, stage: Stage, options: Search, images: tuple[Image, Image], setting: Setting) -> None:
         fixed, moving = images
         self.stage, self.options, self.moving, self.setting = stage, options, moving, setting
-        self.frame = Frame.about_centre(fixed.grid)
+        self.frame = Frame.about_centre(fixed.grid, moving.grid)
         self.fixed = averaged(fixed, fitting(fixed.grid.shape, options.size))
         self.grid = self.fixed.grid
         self.unit = base_scale(options, fixed.grid, moving.grid)
@@ -167,7 +167,7 @@ class _Field:
             move = np.array([off[1][x], off[0][y]], np.float64)
             shift = self.grid.index_to_point.matrix @ move
             affine = centred @ AffineMap(np.eye(2), shift)
-            warp = placed_on(self.stage, affine, self.setting)
+            warp = placed_on(self.stage, affine, self.moving.grid, self.setting)
             found.append(Place(warp, warp, float(bounded[y, x]), float(share_met[y, x])))
         return found
 

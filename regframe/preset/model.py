@@ -18,7 +18,16 @@ from regframe.transforms.base import Transform
 
 LARGEST_SEED = 2**32 - 1
 
-STARTS = ("centres", "identity", "moments", "fields-of-view", "previous", "compose", "search")
+STARTS = (
+    "centres",
+    "identity",
+    "moments",
+    "principal-axes",
+    "fields-of-view",
+    "previous",
+    "compose",
+    "search",
+)
 Estimator = Literal["shift", "physical-shift", "index-shift", "jacobian"]
 ESTIMATORS = ("shift", "physical-shift", "index-shift", "jacobian")
 
@@ -57,7 +66,8 @@ def _check_start(met: object) -> object:
 
 
 Start = Annotated[
-    Literal["centres", "identity", "moments", "fields-of-view", "previous", "compose"] | Search,
+    Literal["centres", "identity", "moments", "principal-axes", "fields-of-view", "previous", "compose"]
+    | Search,
     BeforeValidator(_check_start),
 ]
 
@@ -122,7 +132,8 @@ class Stage(Record):
     start: Start = Field(
         "centres",
         description=(
-            "Where the search begins: image centres on each other, no motion, centres of mass, equal fields "
+            "Where the search begins: image centres on each other, no motion, centres of mass, these and the "
+            "axes of the intensities' spread (the smallest turn that lays one on the other), equal fields "
             "of view (frames brought together by the ratio of their widths), the stage before, or a search "
             "over rotations, scales and shifts (`search`, or a table of its options); stages after the first "
             "continue with `previous` unless told otherwise. `compose` keeps the map found so far as it is, "
@@ -148,6 +159,21 @@ class Stage(Record):
             "scales as a list, one number a parameter."
         ),
     )
+    weights: tuple[Annotated[float, Field(ge=0, strict=True)], ...] | None = Field(
+        None,
+        description=(
+            "Factors on the slope by each parameter, ITK's weights, for optimizers that walk along slopes; "
+            "0 keeps a parameter as it is. All 1 unless given."
+        ),
+    )
+    frozen: tuple[str, ...] = Field(
+        (),
+        description="Parameters that stay as the stage finds them, by names as `regframe explain` tells.",
+    )
+    smooth_unit: Literal["physical", "voxels"] = Field(
+        "physical",
+        description=("Unit of the levels' `smooth`: mm (or pixels of a camera), or each image's own voxels."),
+    )
     gradient: Literal["exact", "filtered", "central"] = Field(
         "exact",
         description=(
@@ -156,6 +182,17 @@ class Stage(Record):
         ),
     )
     levels: tuple[Level, ...] = Field((Level(),), min_length=1, description="Run in the order listed.")
+
+    @model_validator(mode="after")
+    def _check_weights(self) -> Self:
+        if self.weights is None or self.optimizer.weighs:
+            return self
+        name = OPTIMIZERS.name_of(self.optimizer)
+        text = (
+            f"the optimizer {name!r} does not walk along slopes, so it has no use for weights. Got "
+            f"{list(self.weights)!r}. Write frozen = [...] with the names of parameters that must stay."
+        )
+        raise raised([fault(("weights",), text, self.weights)])
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:
