@@ -82,14 +82,13 @@ def register(
     The code is 1 when the verdict is "failed"; image and transform are withheld then, unless --keep-failed.
     """
     _use(threads, plugin)
+    # Everything that can be refused is refused before the work begins.
+    _check(out, force)
     from regframe.cli import inputs
     from regframe.cli.display import Display, manner
     from regframe.cli.outcome import Outcome
     from regframe.engine.run import register as align_pair
-    from regframe.report import files
 
-    # Everything that can be refused is refused before the work begins.
-    files.check(out, force=force)
     resolved = resolve(preset, settings or [], seed, engine)
     known = inputs.Files(start, moving_initial, fixed_initial, domain)
     below, above, place = inputs.everything(fixed, moving, (fixed_mask, moving_mask), known)
@@ -105,6 +104,13 @@ def _use(threads: int | None, plugin: Plugins) -> None:
     if threads is not None:
         os.environ["REGFRAME_THREADS"] = str(threads)
     plugin_files.use(plugin)
+
+
+def _check(out: Path | None, force: bool) -> None:
+    from regframe.report import files
+
+    if out is not None:
+        files.check(out, force=force)
 
 
 def resolve(name: str, settings: list[str], seed: int | None, engine: str) -> "Preset":

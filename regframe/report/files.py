@@ -88,18 +88,14 @@ def save(
     return folder
 
 
-def check(folder: Path | None, *, force: bool = False) -> None:
+def check(folder: Path, *, force: bool = False) -> None:
     """Refuse a folder that a result cannot be written into; looks, and changes nothing.
-
-    None, for no folder, is not refused.
 
     Raises
     ------
     OutputError
         It is a file, cannot be written, or holds a result and `force` is off.
     """
-    if folder is None:
-        return
     if folder.exists() and not folder.is_dir():
         message = f"the output folder {str(folder)!r} is a file. Name a folder."
         raise OutputError(message)

@@ -322,7 +322,7 @@ def test_without_a_verdict_none_is_made(pair, tmp_path, regframe, monkeypatch):
     outcome = regframe("register", *pair, *QUICK, "--no-verdict", "--out", tmp_path / "out", "--no-figures")
 
     assert outcome.code == 0
-    assert "verdict" not in outcome.out
+    assert "\nverdict" not in outcome.out
     assert json.loads((tmp_path / "out" / "result.json").read_text())["verdict"] is None
     assert (tmp_path / "out" / "transform.tfm").is_file()
 
