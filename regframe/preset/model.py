@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import InitErrorDetails
 
 from regframe.catalog import FILTERS, INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
-from regframe.faults import fault, nearest, raised
+from regframe.faults import fault, nearest, raised, shown
 from regframe.filters.base import Filter
 from regframe.interpolators.base import Interpolator
 from regframe.metrics.base import Metric
@@ -231,6 +231,19 @@ class Preset(Record):
     )
     filters: Filters = Field(Filters(), description="Each image's own preparation.")
     stages: tuple[Stage, ...] = Field(min_length=1, description="Searches, each beginning where it is told.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_code(cls, tree: object) -> object:
+        """A preset may come from a stranger, so it names components and never code."""
+        keys = [key for key in ("plugin", "plugins") if isinstance(tree, dict) and key in tree]
+        if keys and isinstance(tree, dict):
+            text = (
+                f"a preset cannot load plugins: it may come from a stranger. Got {shown(tree[keys[0]])}. "
+                "Remove it; name your own files with --plugin FILE, or in your configuration."
+            )
+            raise raised([fault((keys[0],), text, tree[keys[0]])])
+        return tree
 
     @field_validator("stages")
     @classmethod
