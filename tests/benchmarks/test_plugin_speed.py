@@ -1,7 +1,7 @@
 """A metric in plain numpy, run by us, beside SimpleITK's own mean squares: 640 x 512, all pixels, B-spline.
 
-``pytest -m slow tests/benchmarks/test_plugin_speed.py -s`` prints the ratio. Both sides are timed in turn in one
-run and medians of the rounds' ratios are compared, so that a machine whose speed drifts slows both.
+``pytest -m slow tests/benchmarks/test_plugin_speed.py -s`` prints the ratio. Both sides are timed in turn;
+the median of the ratios of all rounds counts, so that a machine whose speed drifts slows both.
 """
 
 import statistics
