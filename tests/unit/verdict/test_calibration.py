@@ -36,7 +36,7 @@ def fit():
 
 @pytest.fixture(scope="module")
 def rows(fit):
-    runs = import_module("runs")
+    runs = import_module(fit.Row.__module__)
     with (FOLDER / "evidence.csv").open(encoding="utf-8", newline="") as file:
         return [runs.row_of(cells) for cells in list(csv.reader(file))[1:]]
 
