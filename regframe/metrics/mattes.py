@@ -1,6 +1,6 @@
 """Mattes mutual information."""
 
-from typing import ClassVar, NamedTuple, final
+from typing import ClassVar, Literal, NamedTuple, final
 
 import numpy as np
 from pydantic import Field
@@ -34,6 +34,7 @@ class Mattes(Metric):
 
     bins: int = Field(50, ge=5, le=1024, description="Bins an axis; the outer two at each end stay free.")
 
+    range_of: ClassVar[Literal["image", "samples"]] = "samples"
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
 
     def prepare(self, pairs: Pairs) -> Axes:
