@@ -1,7 +1,9 @@
-"""The five registries and what regframe ships in each: data only, sorted, nothing imported."""
+"""The five registries and what regframe ships in each: data, sorted; nothing is imported."""
 
 from typing import TYPE_CHECKING
 
+from regframe.errors import PresetError
+from regframe.faults import nearest
 from regframe.registry import AnyRegistry, Registry
 
 if TYPE_CHECKING:
@@ -22,6 +24,11 @@ METRICS: "Registry[Metric]" = Registry(
         "joint-histogram-mi": "regframe.metrics.joint_histogram_mi:JointHistogramMi",
         "mattes": "regframe.metrics.mattes:Mattes",
         "mean-squares": "regframe.metrics.mean_squares:MeanSquares",
+        "normalised-gradient-fields": (
+            "regframe.metrics.normalised_gradient_fields:NormalisedGradientFields"
+        ),
+        "normalised-mi": "regframe.metrics.normalised_mi:NormalisedMi",
+        "sum": "regframe.metrics.sum:Sum",
     },
 )
 
@@ -99,3 +106,24 @@ KINDS: dict[str, AnyRegistry] = {
     "optimizers": OPTIMIZERS,
     "filters": FILTERS,
 }
+
+
+def of_kind(word: str) -> AnyRegistry:
+    """The registry of a kind, named in the singular or the plural.
+
+    Raises
+    ------
+    PresetError
+        There is no such kind.
+
+    Examples
+    --------
+    >>> of_kind("metric") is of_kind("metrics") is METRICS
+    True
+    """
+    known = {registry.kind: registry for registry in KINDS.values()}
+    found = {**KINDS, **known}.get(word)
+    if found is None:
+        message = f"there is no kind {word!r}.{nearest(word, known)} Known: {', '.join(known)}."
+        raise PresetError(message)
+    return found

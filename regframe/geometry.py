@@ -247,10 +247,14 @@ class Frame:
         The fixed image's grid; distances and default scales are measured over its corners.
     centre : (dim,) float64
         Fixed point of rotation, scaling and shear, physical, x first.
+    lattice : Grid, optional
+        Where a map's control points or vectors lie, for families that have them, when it is not where they
+        lay them over the grid: a file has its own, and levels may refine it.
     """
 
     grid: Grid
     centre: Params
+    lattice: Grid | None = None
 
     @property
     def dim(self) -> int:

@@ -74,6 +74,7 @@ def _extras() -> list[tuple[str, str]]:
 
 
 def _plugins() -> list[tuple[str, str]]:
+    from regframe import preset
     from regframe.catalog import KINDS
 
     facts = []
@@ -85,4 +86,11 @@ def _plugins() -> list[tuple[str, str]]:
             for name in registry.names()
             if registry.origin(name) != "regframe" and name not in faults
         ]
+    unfound = preset.faults()
+    facts += [(name, f"FAULT: {text}") for name, text in unfound.items()]
+    facts += [
+        (name, f"preset of {preset.origin(name)}")
+        for name in preset.names()
+        if preset.origin(name) != "regframe" and name not in unfound
+    ]
     return facts or [("none", "components of other packages would be listed here")]

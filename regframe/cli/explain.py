@@ -112,10 +112,11 @@ def _parameters(cls: "type[Any]") -> None:
 def _preset(name: str) -> None:
     from regframe.catalog import INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
     from regframe.cli.tables import table
-    from regframe.preset import load
+    from regframe.preset import load, origin
 
     preset = load(name)
-    typer.echo(f"{typer.style(preset.name, bold=True)} (preset, seed {preset.seed})\n")
+    place = name if name.endswith(".toml") else origin(name)
+    typer.echo(f"{typer.style(preset.name, bold=True)} (preset, from {place}, seed {preset.seed})\n")
     typer.echo(inspect.cleandoc(preset.about or "No description.") + "\n")
     parts = [
         (

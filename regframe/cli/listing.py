@@ -68,6 +68,15 @@ def first_sentence(text: str) -> str:
 
 
 def _presets() -> list[tuple[str, str, str]]:
-    from regframe.preset import load, names
+    from regframe.errors import PresetError
+    from regframe.preset import load, names, origin
 
-    return [(name, first_sentence(load(name).about), "regframe") for name in names()]
+    found = []
+    for name in names():
+        try:
+            text = first_sentence(load(name).about)
+        except PresetError as error:
+            # One broken plugin must not hide the others.
+            text = f"unusable: {' '.join(str(error).split())}"
+        found.append((name, text, origin(name)))
+    return found

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from regframe.cli.inputs import Domain, FixedInitial, MovingInitial, Start
+
 if TYPE_CHECKING:
     from regframe.engine.base import Result
     from regframe.preset import Preset
@@ -32,9 +34,6 @@ Settings = Annotated[
     ),
 ]
 Seed = Annotated[int | None, typer.Option(help="The preset's seed: same seed, same result.")]
-Start = Annotated[
-    Path | None, typer.Option(help="Begin at this ITK transform file instead of the preset's start.")
-]
 FixedMask = Annotated[Path | None, typer.Option(help="Image that is not 0 where fixed pixels count.")]
 MovingMask = Annotated[Path | None, typer.Option(help="Image that is not 0 where moving pixels count.")]
 EngineName = Annotated[str, typer.Option(help="Who runs the preset: native, or simpleitk.")]
@@ -53,6 +52,9 @@ def register(
     settings: Settings = None,
     seed: Seed = None,
     start: Start = None,
+    moving_initial: MovingInitial = None,
+    fixed_initial: FixedInitial = None,
+    domain: Domain = None,
     fixed_mask: FixedMask = None,
     moving_mask: MovingMask = None,
     engine: EngineName = "native",
@@ -74,15 +76,10 @@ def register(
     if out is not None:
         files.check(out, force=force)
     resolved = resolve(preset, settings or [], seed, engine)
-    roles = ("fixed image", "moving image", "fixed mask", "moving mask", "start")
-    for path, role in zip((fixed, moving, fixed_mask, moving_mask, start), roles, strict=True):
-        if path is not None:
-            inputs.existing(path, role)
-    below = inputs.image(fixed, "fixed", fixed_mask)
-    above = inputs.image(moving, "moving", moving_mask)
-    first = None if start is None else inputs.transform(start, below.grid)
+    known = inputs.Files(start, moving_initial, fixed_initial, domain)
+    below, above, place = inputs.everything(fixed, moving, (fixed_mask, moving_mask), known)
     with Display(resolved, manner(quiet or as_json)) as display:
-        result = align_pair(resolved, below, above, engine=engine, observers=(display,), start=first)
+        result = align_pair(resolved, below, above, engine=engine, observers=(display,), start=place)
     if out is not None:
         files.save(result, out, force=force, figures=not no_figures)
     tell(result, out, quiet=quiet, as_json=as_json)

@@ -16,12 +16,12 @@ def warmup() -> None:
     """Compile all kernels ahead, so that the first registration runs at full speed."""
     from regframe.engine.run import register
     from regframe.errors import RegframeError
-    from regframe.preset import load, names
+    from regframe.preset import load, shipped
     from regframe.testing.phantoms import smooth_pair
 
     began = perf_counter()
     flat, deep = smooth_pair("multimodal", FLAT), smooth_pair("multimodal", DEEP)
-    for name in names():
+    for name in shipped():
         preset = load(name)
         jobs = [("2-D", flat)]
         if all(3 in stage.transform.dimensions and isinstance(stage.scales, str) for stage in preset.stages):

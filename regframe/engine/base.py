@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from regframe.component import Component
+from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap
 from regframe.image import Image
@@ -149,14 +150,15 @@ class Engine(Component):
 
     @abstractmethod
     def iterate(
-        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | None = None
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | Placement | None = None
     ) -> Generator[Progress, None, Result]:
         """Yield a Progress an iteration and return the Result.
 
         Parameters
         ----------
-        start : Warp or Chain, optional
-            Where the first stage begins, in place of its own `start`.
+        start : Warp, Chain or Placement, optional
+            Where the first stage begins, in place of its own `start`; or all that is known of the images'
+            places.
 
         Raises
         ------

@@ -5,10 +5,12 @@ from time import perf_counter
 from typing import final
 
 from regframe.engine.base import Engine, LevelReport, Progress, Result
+from regframe.engine.followed import followed
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
 from regframe.engine.scene import Scene, prepare
+from regframe.engine.setting import Placement, Setting, begun, opened
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
@@ -24,7 +26,7 @@ class Native(Engine):
     """Runs presets with regframe's own components."""
 
     def iterate(
-        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | None = None
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | Placement | None = None
     ) -> Generator[Progress, None, Result]:
         """Yield a Progress an iteration and return the Result."""
         began = perf_counter()
@@ -32,35 +34,34 @@ class Native(Engine):
         given, fixed, moving = (fixed, moving), *filtered(preset, fixed, moving)
         trace: list[Progress] = []
         reports: list[LevelReport] = []
-        first: Warp | None = None
-        for number, stage in enumerate(begun(preset.stages, start)):
-            warp = begin(stage, fixed, moving, start)
-            first = first or warp
+        place = Placement.of(start)
+        setting, before = opened(place, fixed), place.start
+        first: Warp | Chain | None = None
+        for number, stage in enumerate(begun(preset.stages, place)):
+            setting = setting.entered(stage, before)
+            warp = begin(stage, fixed, moving, before, setting)
+            first = first or setting.whole(warp)
             rng, seed = stage.optimizer.normals(preset.seed), preset.seed
             for depth in range(len(stage.levels)):
-                run = _Level(stage, number, depth, seed)
+                run = _Level(stage, setting, (number, depth), seed)
                 warp, report = yield from run.walk((fixed, moving), warp, rng, trace, began)
                 seed = run.next_seed
                 reports.append(report)
-            start = warp
+            before = warp
         facts = provenance(preset, *given, seconds=perf_counter() - began)
-        last = reports[-1]
-        return Result(warp, last.value, last.stop, tuple(reports), preset, facts, *given, tuple(trace), first)
-
-
-def begun(stages: tuple[Stage, ...], start: Warp | Chain | None) -> tuple[Stage, ...]:
-    """The stages, the first one continuing a start given by the user."""
-    if start is None:
-        return stages
-    return (stages[0].model_copy(update={"start": "previous"}), *stages[1:])
+        last, found = reports[-1], setting.whole(warp)
+        return Result(
+            found, last.value, last.stop, tuple(reports), preset, facts, *given, tuple(trace), first
+        )
 
 
 class _Level:
     """One level of a run."""
 
-    def __init__(self, stage: Stage, number: int, depth: int, seed: int) -> None:
-        self.stage, self.number, self.depth = stage, number, depth
-        self.level = stage.levels[depth]
+    def __init__(self, stage: Stage, setting: Setting, place: tuple[int, int], seed: int) -> None:
+        self.stage, self.setting = followed(stage, setting.beyond), setting
+        self.number, self.depth = place
+        self.level = stage.levels[self.depth]
         self.seed = self.next_seed = seed
 
     def walk(
@@ -68,7 +69,7 @@ class _Level:
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
-        scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed)
+        scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed, self.setting)
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
         steps = self.stage.optimizer.steps(objective, at, rng)

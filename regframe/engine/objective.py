@@ -62,13 +62,13 @@ class Objective:
     def settled(self, at: Params) -> Params:
         """The transform's parameters at coordinates, as they are reported: within the family's domain."""
         params = self.coordinates.params(at)
-        return self.stage.transform.advance(params, np.zeros_like(params))
+        return self.stage.transform.advance(params, np.zeros_like(params), self.frame)
 
     def advance(self, at: Params, step: Params) -> Params:
         """Coordinates after a step: the sum, and what the transform's own rule makes different from it."""
         params, moved = self.coordinates.params(at), step / self.coordinates.unit
         # The bracket is exactly 0 for transforms that add, so their coordinates keep the bits of a plain sum.
-        bent = self.stage.transform.advance(params, moved) - (params + moved)
+        bent = self.stage.transform.advance(params, moved, self.frame) - (params + moved)
         return at + step + bent * self.coordinates.unit
 
     def motion(self, at: Params, step: Params) -> float:

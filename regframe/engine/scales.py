@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from regframe.engine.followed import alone
 from regframe.errors import GeometryError, PresetError
 from regframe.geometry import Frame, Grid
 from regframe.preset import Stage
@@ -47,7 +48,7 @@ def coordinates(
     GeometryError
         A parameter that moves nothing.
     """
-    params = stage.transform.advance(params, np.zeros_like(params))
+    params = stage.transform.advance(params, np.zeros_like(params), frame)
     count, plain = len(params), np.ones_like(params)
     if stage.scales == "shift":
         unit = stage.transform.shift(params, frame)
@@ -72,7 +73,7 @@ def coordinates(
 def _itk_scales(
     kind: str, transform: Transform, params: Params, frame: Frame, grid: Grid, moving: Grid
 ) -> Params:
-    curved = transform.as_affine(params, frame) is None
+    curved = alone(transform).as_affine(params, frame) is None
     points = _central_block(grid) if curved else grid.corners()
     if kind == "jacobian":
         slopes = _jacobian(transform, params, points, frame)
@@ -81,7 +82,7 @@ def _itk_scales(
     for i in range(len(params)):
         step = np.zeros_like(params)
         step[i] = VARIATION
-        there = transform.map(transform.advance(params, step), points, frame)
+        there = transform.map(transform.advance(params, step, frame), points, frame)
         shifts[i] = _largest(kind, here, there, moving)
     eps = float(np.finfo(np.float64).eps)
     if not np.any(shifts > eps):
@@ -141,7 +142,7 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
         The level's fixed grid and the moving image's.
     """
     level_grid, moving = grids
-    curved = stage.transform.as_affine(params, frame) is None
+    curved = alone(stage.transform).as_affine(params, frame) is None
     if stage.scales == "jacobian":
         points = _central_block(level_grid) if curved else level_grid.corners()
         slopes = _jacobian(stage.transform, params, points, frame)
@@ -155,6 +156,6 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
     small = VARIATION / largest if estimated and not curved else 1.0
     kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
     points = level_grid.points(level_grid.all_indices()) if curved else level_grid.corners()
-    ends = (params, stage.transform.advance(params, step * small))
+    ends = (params, stage.transform.advance(params, step * small, frame))
     here, there = (stage.transform.map(end, points, frame) for end in ends)
     return _largest(kind, here, there, moving) / small

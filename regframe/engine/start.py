@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from regframe.engine.setting import Setting
 from regframe.errors import GeometryError, ImageError
-from regframe.geometry import Frame
+from regframe.geometry import AffineMap, Frame
 from regframe.image import Image
 from regframe.preset import Stage
 from regframe.transforms.linear import about
@@ -11,7 +12,9 @@ from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params
 
 
-def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None) -> Warp:
+def begin(
+    stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None, setting: Setting | None = None
+) -> Warp:
     """The stage's first warp.
 
     Parameters
@@ -21,6 +24,8 @@ def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None
         After their filters.
     before : Warp or Chain or None
         What the stage before found, or a start given by the user.
+    setting : Setting, optional
+        What stays around the map, when it is not the fixed image's grid alone.
 
     Raises
     ------
@@ -29,20 +34,33 @@ def begin(stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None
     ImageError
         Centres of mass of an image without mass.
     """
-    transform, frame = stage.transform, Frame.about_centre(fixed.grid)
+    setting = setting or Setting(fixed.grid)
+    transform, frame = stage.transform, Frame.about_centre(setting.domain)
     if stage.start == "previous" and before is not None:
         return _continued(stage, before)
-    if stage.start == "identity":
+    if stage.start in ("identity", "compose"):
         return Warp(transform, transform.identity(frame), frame)
-    unit = np.eye(fixed.dim)
+    unit, centre = np.eye(fixed.dim), fixed.grid.centre
     if stage.start == "moments":
-        frame = Frame(fixed.grid, _mass_centre(fixed))
-        shift = _mass_centre(moving) - frame.centre
+        centre = _mass_centre(fixed)
+        shift = _mass_centre(moving) - centre
     else:
-        shift = moving.grid.centre - frame.centre
+        shift = moving.grid.centre - centre
     if stage.start == "fields-of-view":
         unit = unit * (moving.grid.extent[0] / fixed.grid.extent[0])
-    return Warp(transform, transform.from_affine(about(unit, shift, frame.centre), frame), frame)
+    first = about(unit, shift, centre)
+    if setting.below is not None:
+        first, centre = _behind(setting.below, first, centre)
+    if stage.start == "moments":
+        frame = Frame(setting.domain, centre)
+    return Warp(transform, transform.from_affine(first, frame), frame)
+
+
+def _behind(below: Warp | Chain, first: AffineMap, centre: Params) -> tuple[AffineMap, Params]:
+    """A map of the fixed image, and a point of it, as they are seen from the domain."""
+    onto = below.as_affine()
+    assert onto is not None  # a setting is refused otherwise
+    return first @ onto, np.asarray(onto.inverse()(centre[None])[0])
 
 
 def _continued(stage: Stage, before: Warp | Chain) -> Warp:

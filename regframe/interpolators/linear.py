@@ -44,5 +44,9 @@ class Linear(Interpolator):
         """Derivative of ``forces . resample`` by the index map, fused."""
         grid, indices, _ = kernel_samples(samples)
         matrix, partial = kernel_matrix(index_map, coefficients.ndim), np.zeros((BLOCKS, 3, 4))
-        share(linear.pull_back, BLOCKS, as_3d(coefficients), grid, indices, matrix, forces, partial)
+        volume = as_3d(coefficients)
+        if samples.indices is None:
+            share(linear.pull_back_grid, BLOCKS, volume, grid, matrix, forces, partial)
+        else:
+            share(linear.pull_back, BLOCKS, volume, grid, indices, matrix, forces, partial)
         return summed(partial, coefficients.ndim)

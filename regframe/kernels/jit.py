@@ -13,17 +13,77 @@ from functools import cache
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numpy.typing import NDArray
 
 BLOCKS = 8
 """Reductions are cut into this many parts, whatever the number of threads, and summed in order."""
 
 
+Four = tuple[float, float, float, float]
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kernel(function: F) -> F:
     """Compile on first call, keep on disk, release the lock; no fast-math, so bits are the source's."""
     return cast("F", numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+
+
+@intrinsic
+def _prefetch(_: Any, array: Any, index: Any) -> Any:
+    """Ask for ``array[index]``, one-dimensional, to be brought near; a place outside the array does no harm.
+
+    A map that turns the image reads short pieces of many rows, which the processor does not foresee:
+    without asking, the wait for memory is more than half of the time of linear interpolation.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        view = context.make_array(signature.args[0])(context, builder, arguments[0])
+        place = builder.bitcast(builder.gep(view.data, [arguments[1]]), cgutils.voidptr_t)
+        word = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [cgutils.voidptr_t, word, word, word])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        builder.call(function, [place, word(0), word(3), word(1)])  # for reading, soon again, data
+        return context.get_dummy_value()
+
+    return numba.void(array, index), generate
+
+
+@intrinsic
+def _columns(_: Any, array: Any, index: Any, stride: Any, shares: Any) -> Any:
+    """Sums ``shares[j] * array[index + j * stride + i]`` over j, for i from 0 to 3, as a tuple.
+
+    The compiler does not see by itself that four neighbours can be loaded, scaled and added as one; here
+    that is worth a third of the time of a spline's slopes. Each sum goes from j = 0 to 3, without fused
+    operations, so its bits are those of the formula.
+    """
+    four = ir.VectorType(ir.DoubleType(), 4)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        view = context.make_array(signature.args[0])(context, builder, arguments[0])
+        place, total = arguments[1], None
+        for j in range(4):
+            start = builder.bitcast(builder.gep(view.data, [place]), four.as_pointer())
+            share, row = ir.Constant(four, ir.Undefined), builder.load(start, align=8)
+            for lane in range(4):
+                one = builder.extract_value(arguments[3], j)
+                share = builder.insert_element(share, one, ir.IntType(32)(lane))
+            part = builder.fmul(share, row)
+            total = part if total is None else builder.fadd(total, part)
+            place = builder.add(place, arguments[2])
+        lanes = [builder.extract_element(total, ir.IntType(32)(lane)) for lane in range(4)]
+        return context.make_tuple(builder, signature.return_type, lanes)
+
+    floats = numba.types.UniTuple(numba.float64, 4)
+    return floats(array, index, stride, shares), generate
+
+
+# To numba these are the functions above; to the type checker, what kernels may call.
+prefetch = cast("Callable[[NDArray[np.float64], int], None]", _prefetch)
+columns = cast("Callable[[NDArray[np.float64], int, int, Four], Four]", _columns)
 
 
 def threads() -> int:

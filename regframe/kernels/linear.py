@@ -6,13 +6,17 @@ shared by rows: rows of the grid, or runs of `RUN` stored indices when the grid 
 
 import numpy as np
 
-from regframe.kernels.jit import kernel
+from regframe.kernels.jit import kernel, prefetch
 from regframe.types import Bins, Indices, Matrix, Values, Volume
 
 U = np.uint64
 RUN = 256
 CHUNK = 64
-ELSEWHERE = -1.0  # in place of a corner: outside the image, or in its outer half pixel
+LINE = 7  # samples but one that share a line of memory
+BORDER = -1.0  # in place of a corner: in the outer half pixel of the image, or near enough to need a look
+OUTSIDE = -2.0
+
+Three = tuple[float, float, float]
 
 
 @kernel
@@ -106,7 +110,7 @@ def resample(
 
 @kernel
 def _locate_plane(row: int, left: int, shape: Bins, matrix: Matrix, t: Matrix, base: Values) -> None:
-    """A chunk's first corners, and the ways (x, y) from them; ELSEWHERE outside and at borders."""
+    """A chunk's first corners, and the ways (x, y) from them; OUTSIDE or BORDER where there is none."""
     last_y, last_x, width = np.float64(shape[1] - 1), np.float64(shape[2] - 1), np.float64(shape[2])
     mx, my, x1, y1 = matrix[2, 2], matrix[1, 2], matrix[2, 1] * row, matrix[1, 1] * row
     x3, y3, tx, ty = matrix[2, 3], matrix[1, 3], t[2], t[1]
@@ -115,8 +119,9 @@ def _locate_plane(row: int, left: int, shape: Bins, matrix: Matrix, t: Matrix, b
         cx, cy = (mx * x + x1) + x3, (my * x + y1) + y3
         floor_x, floor_y = np.floor(cx), np.floor(cy)
         inner = (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y)
+        near = (cx >= -1.0) & (cx < last_x + 1.0) & (cy >= -1.0) & (cy < last_y + 1.0)
         tx[k], ty[k] = cx - floor_x, cy - floor_y
-        base[k] = floor_y * width + floor_x if inner else ELSEWHERE
+        base[k] = floor_y * width + floor_x if inner else (BORDER if near else OUTSIDE)
 
 
 @kernel
@@ -137,8 +142,10 @@ def _locate_space(
         cx, cy, cz = ((mx * x + x1) + x2) + x3, ((my * x + y1) + y2) + y3, ((mz * x + z1) + z2) + z3
         floor_x, floor_y, floor_z = np.floor(cx), np.floor(cy), np.floor(cz)
         inner = (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y) & (cz >= 0.0) & (cz < last_z)
+        near = (cx >= -1.0) & (cx < last_x + 1.0) & (cy >= -1.0) & (cy < last_y + 1.0)
+        near = near & (cz >= -1.0) & (cz < last_z + 1.0)
         tx[k], ty[k], tz[k] = cx - floor_x, cy - floor_y, cz - floor_z
-        base[k] = (floor_z * plane + floor_y * width) + floor_x if inner else ELSEWHERE
+        base[k] = (floor_z * plane + floor_y * width) + floor_x if inner else (BORDER if near else OUTSIDE)
 
 
 @kernel
@@ -166,12 +173,16 @@ def resample_grid(
                 _locate_space(row, left, grid, shape, matrix, t, base)
             out = U(row * grid[2] + left)
             for k in range(U(min(CHUNK, grid[2] - left))):
-                weight = 1.0
+                value, weight = 0.0, 1.0
                 if base[k] >= 0.0:
                     o, tx, ty = U(np.int64(base[k])), t[2, k], t[1, k]
+                    if k & U(LINE) == U(0):
+                        prefetch(flat, o + width + width)  # what the next row of the grid will read
                     value = _blend(flat, o, width, tx, ty)
                     if not planar:
                         value += (_blend(flat, o + plane, width, tx, ty) - value) * t[0, k]
+                elif base[k] == OUTSIDE:
+                    weight = 0.0
                 else:
                     _start(row, row * grid[2] + left + np.int64(k), grid, none, at)
                     _move(at, matrix, c)
@@ -247,3 +258,80 @@ def pull_back(
                     partial[block, axis, 1] += pull * at[1]
                     partial[block, axis, 2] += pull * at[2]
                     partial[block, axis, 3] += pull
+
+
+@kernel
+def _tilt(flat: Values, o: int, width: int, plane: int, t: Matrix, k: int, planar: bool) -> Three:
+    """Slopes z y x between the corners from `o` on; along z 0 where there is one slice."""
+    tx, ty, tz = t[2, k], t[1, k], t[0, k]
+    a, b, d, e = flat[o], flat[o + U(1)], flat[o + width], flat[o + width + U(1)]
+    low_x, low_y = (b - a) * (1.0 - ty) + (e - d) * ty, (d - a) * (1.0 - tx) + (e - b) * tx
+    if planar:
+        return 0.0, low_y, low_x
+    low, o = _bilinear(a, b, d, e, tx, ty), o + plane
+    a, b, d, e = flat[o], flat[o + U(1)], flat[o + width], flat[o + width + U(1)]
+    high_x, high_y = (b - a) * (1.0 - ty) + (e - d) * ty, (d - a) * (1.0 - tx) + (e - b) * tx
+    along = _bilinear(a, b, d, e, tx, ty) - low
+    return along, low_y * (1.0 - tz) + high_y * tz, low_x * (1.0 - tz) + high_x * tz
+
+
+@kernel
+def _pull_chunk(
+    row: int,
+    left: int,
+    volume: Volume,
+    grid: Bins,
+    matrix: Matrix,
+    felt: Values,
+    t: Matrix,
+    base: Values,
+    sums: Matrix,
+) -> None:
+    """A chunk's sums of force * slope, z y x, and of both times the column, into (2, 3)."""
+    flat, shape = volume.ravel(), np.array(volume.shape)
+    plane, width, planar = U(shape[1] * shape[2]), U(shape[2]), shape[0] == 1
+    at, c, none = np.empty(3), np.empty(3), np.empty((0, 3))
+    gz = gy = gx = cz = cy = cx = 0.0
+    for k in range(U(len(felt))):
+        if felt[k] == 0.0 or base[k] == OUTSIDE:
+            continue
+        if base[k] >= 0.0:
+            o = U(np.int64(base[k]))
+            if k & U(LINE) == U(0):
+                prefetch(flat, o + width + width)
+            slopes = _tilt(flat, o, width, plane, t, k, planar)
+        else:
+            _start(row, row * grid[2] + left + np.int64(k), grid, none, at)
+            _move(at, matrix, c)
+            slopes = _slope(flat, shape, c)
+        column = np.float64(left) + np.float64(k)
+        z, y, x = felt[k] * slopes[0], felt[k] * slopes[1], felt[k] * slopes[2]
+        gz, gy, gx = gz + z, gy + y, gx + x
+        cz, cy, cx = cz + z * column, cy + y * column, cx + x * column
+    sums[0, 0], sums[0, 1], sums[0, 2] = gz, gy, gx
+    sums[1, 0], sums[1, 1], sums[1, 2] = cz, cy, cx
+
+
+@kernel
+def pull_back_grid(
+    first: int, last: int, volume: Volume, grid: Bins, matrix: Matrix, forces: Values, partial: Volume
+) -> None:
+    """`pull_back` for whole grids, its sums taken row by row."""
+    shape, rows, sums = np.array(volume.shape), grid[0] * grid[1], np.empty((2, 3))
+    t, base = np.empty((3, CHUNK)), np.empty(CHUNK)
+    planar = shape[0] == 1 and grid[0] == 1 and matrix[0, 3] == 0.0
+    for block in range(first, last):
+        for row in range(rows * block // len(partial), rows * (block + 1) // len(partial)):
+            z, y = np.float64(row // grid[1]), np.float64(row % grid[1])
+            for left in range(0, grid[2], CHUNK):
+                if planar:
+                    _locate_plane(row, left, shape, matrix, t, base)
+                else:
+                    _locate_space(row, left, grid, shape, matrix, t, base)
+                felt = forces[row * grid[2] + left : row * grid[2] + min(left + CHUNK, grid[2])]
+                _pull_chunk(row, left, volume, grid, matrix, felt, t, base, sums)
+                for axis in range(3):
+                    partial[block, axis, 0] += sums[0, axis] * z
+                    partial[block, axis, 1] += sums[0, axis] * y
+                    partial[block, axis, 2] += sums[1, axis]
+                    partial[block, axis, 3] += sums[0, axis]

@@ -7,15 +7,15 @@ chunks: one loop, which the compiler vectorises, finds taps and weights; a secon
 
 import numpy as np
 
-from regframe.kernels.jit import kernel
+from regframe.kernels.jit import Four, columns, kernel, prefetch
 from regframe.types import Bins, Matrix, Values, Volume
 
 U = np.uint64
 CHUNK = 64
 SIXTH = 1.0 / 6.0
-ELSEWHERE = -1.0  # in place of a tap: outside the image, or so near its border that taps are mirrored
-
-Four = tuple[float, float, float, float]
+LINE = 7  # samples but one that share a line of memory
+BORDER = -1.0  # in place of a tap: so near the image's border, or beyond, that taps are mirrored
+OUTSIDE = -2.0
 
 
 @kernel
@@ -33,8 +33,9 @@ def _locate(row: int, left: int, size: Bins, matrix: Matrix, t: Matrix, base: Va
         inner_x = (floor_x >= 1.0) & (floor_x < width - 2.0)
         inner_y = (floor_y >= 1.0) & (floor_y < height - 2.0)
         tx[k], ty[k] = cx - floor_x, cy - floor_y
+        near_x, near_y = (cx >= -1.0) & (cx < width), (cy >= -1.0) & (cy < height)
         first = (floor_y - 1.0) * width + (floor_x - 1.0)
-        base[k] = first if inner_x & inner_y else ELSEWHERE
+        base[k] = first if inner_x & inner_y else (BORDER if near_x & near_y else OUTSIDE)
 
 
 @kernel
@@ -125,11 +126,13 @@ def resample(
                 x, weight, total = (wx[0, k], wx[1, k], wx[2, k], wx[3, k]), 1.0, 0.0
                 if base[k] >= 0.0:
                     o = U(np.int64(base[k]))
+                    if k & U(LINE) == U(0):
+                        prefetch(flat, o + U(4) * stride)  # what the next row of the grid will read
                     total = _taps(flat, o, x, wy[0, k], total)
                     total = _taps(flat, o + stride, x, wy[1, k], total)
                     total = _taps(flat, o + stride + stride, x, wy[2, k], total)
                     total = _taps(flat, o + stride + stride + stride, x, wy[3, k], total)
-                elif _inside(row, left + np.int64(k), size, matrix):
+                elif base[k] == BORDER and _inside(row, left + np.int64(k), size, matrix):
                     y = (wy[0, k], wy[1, k], wy[2, k], wy[3, k])
                     total = _at_border(row, left + np.int64(k), coefficients, matrix, x, y)
                 else:
@@ -139,14 +142,8 @@ def resample(
 
 
 @kernel
-def _slopes(
-    flat: Values, o: int, x: Four, dx: Four, y: float, dy: float, slopes: tuple[float, float]
-) -> tuple[float, float]:
-    """One row of taps added to the slopes along y and x."""
-    a, b, c, d = flat[o], flat[o + U(1)], flat[o + U(2)], flat[o + U(3)]
-    along = (x[0] * a + x[1] * b) + (x[2] * c + x[3] * d)
-    across = (dx[0] * a + dx[1] * b) + (dx[2] * c + dx[3] * d)
-    return slopes[0] + dy * along, slopes[1] + y * across
+def _along(x: Four, taps: Four) -> float:
+    return (x[0] * taps[0] + x[1] * taps[1]) + (x[2] * taps[2] + x[3] * taps[3])
 
 
 @kernel
@@ -164,11 +161,10 @@ def _pull_chunk(
         y, dy = (wy[0, k], wy[1, k], wy[2, k], wy[3, k]), (vy[0, k], vy[1, k], vy[2, k], vy[3, k])
         if base[k] >= 0.0:
             o = U(np.int64(base[k]))
-            slopes = _slopes(flat, o, x, dx, y[0], dy[0], (0.0, 0.0))
-            slopes = _slopes(flat, o + stride, x, dx, y[1], dy[1], slopes)
-            slopes = _slopes(flat, o + stride + stride, x, dx, y[2], dy[2], slopes)
-            slopes = _slopes(flat, o + stride + stride + stride, x, dx, y[3], dy[3], slopes)
-        elif _inside(row, left + np.int64(k), size, matrix):
+            if k & U(LINE) == U(0):
+                prefetch(flat, o + U(4) * stride)
+            slopes = _along(x, columns(flat, o, stride, dy)), _along(dx, columns(flat, o, stride, y))
+        elif base[k] == BORDER and _inside(row, left + np.int64(k), size, matrix):
             slopes = (
                 _at_border(row, left + np.int64(k), coefficients, matrix, x, dy),
                 _at_border(row, left + np.int64(k), coefficients, matrix, dx, y),

@@ -54,12 +54,15 @@ class Metric(Component):
     `layout` "grid" asks for whole grids in place of loose samples. `range_of` "samples" asks for the fixed
     range over the pixels nearest to the samples where these are not a whole grid. `suits` lists the
     relations between the two images' intensities under which aligned images score best: "mono" (equal),
-    "inverted", "multimodal" (any); the conformance suite holds a metric to what it lists.
+    "inverted", "multimodal" (any). `invariant_to` lists changes of the moving intensities that leave the
+    value as it is: "shift", "scale", "inversion", "monotone" (any rising curve). The conformance suite holds
+    a metric to what it lists.
     """
 
     layout: ClassVar[Literal["points", "grid"]] = "points"
     range_of: ClassVar[Literal["image", "samples"]] = "image"
     suits: ClassVar[tuple[str, ...]] = ("mono",)
+    invariant_to: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def value(self, pairs: Pairs) -> float:

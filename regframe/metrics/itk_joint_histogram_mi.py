@@ -37,6 +37,7 @@ class ItkJointHistogramMi(Metric):
     )
 
     suits: ClassVar[tuple[str, ...]] = ("mono",)
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale")
 
     def prepare(self, pairs: Pairs) -> Bins:
         """Fixed bins of all samples."""

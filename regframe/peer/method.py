@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from regframe.engine.followed import followed
 from regframe.engine.scales import coordinates
+from regframe.engine.setting import Setting
 from regframe.image import Image
 from regframe.kernels.jit import threads
 from regframe.peer import convert, twins
@@ -16,19 +18,22 @@ from regframe.preset import Level, Stage
 from regframe.transforms.warp import Warp
 
 if TYPE_CHECKING:
+    import SimpleITK as sitk
+
     from regframe.peer.twins import Method
 
 
 @dataclass(frozen=True)
 class Part:
-    """Levels of a stage that one call of SimpleITK can run, and their sampling seed."""
+    """Levels of a stage that one call of SimpleITK can run, their sampling seed, and what stays around."""
 
     stage: Stage
     levels: tuple[Level, ...]
     seed: int
+    setting: Setting
 
 
-def in_its_terms(stage: Stage, warp: Warp, fixed: Image, moving: Image) -> Terms:
+def in_its_terms(stage: Stage, warp: Warp, moving: Image, setting: Setting) -> Terms:
     """The stage as SimpleITK can run it from a warp, with notes on what is said otherwise.
 
     Raises
@@ -39,8 +44,9 @@ def in_its_terms(stage: Stage, warp: Warp, fixed: Image, moving: Image) -> Terms
     GeometryError
         A parameter that moves nothing.
     """
-    grid = fixed.grid.coarsen(stage.levels[0].shrink)
-    space, _ = coordinates(stage, warp.params, warp.frame, grid, moving.grid)
+    grid = setting.domain.coarsen(stage.levels[0].shrink)
+    whole = followed(stage, setting.beyond)
+    space, _ = coordinates(whole, warp.params, warp.frame, grid, moving.grid)
     if stage.scales == "shift" and np.allclose(space.unit, 1.0, rtol=0, atol=1e-6):
         # A translation's parameters are motion already.
         stage = stage.model_copy(update={"scales": (1.0,) * len(space.unit)})
@@ -51,7 +57,7 @@ def told(part: Part, fixed: Image, moving: Image) -> "Method":
     """A method that knows metric, interpolator, masks, pyramid, samples and slopes; no optimizer yet."""
     import SimpleITK as sitk
 
-    stage, levels = part.stage, part.levels
+    stage, levels, domain = part.stage, part.levels, part.setting.domain
     method = sitk.ImageRegistrationMethod()
     method.SetNumberOfThreads(threads())
     method.SetInterpolator(getattr(sitk, twins.interpolator(stage.interpolator)))
@@ -60,6 +66,9 @@ def told(part: Part, fixed: Image, moving: Image) -> "Method":
         method.SetMetricFixedMask(convert.mask(fixed.mask, fixed.grid))
     if moving.mask is not None:
         method.SetMetricMovingMask(convert.mask(moving.mask, moving.grid))
+    if domain != fixed.grid:
+        direction = [entry for row in domain.direction for entry in row]
+        method.SetVirtualDomain(list(reversed(domain.shape)), domain.origin, domain.spacing, direction)
     kinds = {"all": method.NONE, "regular": method.REGULAR, "random": method.RANDOM}
     method.SetMetricSamplingStrategy(kinds[levels[0].sampling])
     method.SetMetricSamplingPercentagePerLevel([level.fraction for level in levels], part.seed)
@@ -69,6 +78,17 @@ def told(part: Part, fixed: Image, moving: Image) -> "Method":
     method.SetMetricUseMovingImageGradientFilter(stage.gradient == "filtered")
     method.SetMetricUseFixedImageGradientFilter(stage.gradient == "filtered")
     return method
+
+
+def put(method: "Method", part: Part, warp: Warp) -> "sitk.Transform":
+    """Tell a method all maps; what is given back is the searched one, which it changes in place."""
+    moved, setting = convert.transform(warp), part.setting
+    if setting.below is not None:
+        method.SetFixedInitialTransform(convert.transform(setting.below))
+    if setting.beyond is not None:
+        method.SetMovingInitialTransform(convert.centred(setting.beyond, warp.frame))
+    method.SetInitialTransform(moved, True)
+    return moved
 
 
 def tell_optimizer(method: "Method", terms: Terms, iterations: int, seed: int) -> None:
@@ -88,7 +108,7 @@ def tell_optimizer(method: "Method", terms: Terms, iterations: int, seed: int) -
     estimators[scales]()
 
 
-def parts(terms: Terms, seed: int) -> list[Part]:
+def parts(terms: Terms, seed: int, setting: Setting) -> list[Part]:
     """Runs of levels that SimpleITK can make in one call: equal iterations and kind of sampling."""
     stage = terms.stage
     found: list[list[Level]] = []
@@ -100,7 +120,7 @@ def parts(terms: Terms, seed: int) -> list[Part]:
             found.append([level])
     whole = []
     for levels in found:
-        whole.append(Part(stage, tuple(levels), seed))
+        whole.append(Part(stage, tuple(levels), seed, setting))
         seed += len(levels) * seeds_used(levels[0])
     return whole
 

@@ -24,6 +24,7 @@ from regframe.metrics.base import Metric, Pairs
 from regframe.optimizers.base import Optimizer
 from regframe.preset import Stage
 from regframe.transforms.base import Transform
+from regframe.transforms.warp import Warp
 from regframe.types import Params
 
 if TYPE_CHECKING:
@@ -146,18 +147,20 @@ def sloped(ours: Metric) -> Metric:
     return ours
 
 
-def step(ours: Transform, before: Params, after: Params) -> Params:
-    """The step that an ITK optimizer made to get from one position to the next.
+def step(warp: Warp, after: Params) -> Params:
+    """The step that an ITK optimizer made to get from a warp's parameters to others.
 
     Their difference, but for families whose `advance` composes rotations: there it is solved for.
     """
+    ours, before, frame = warp.transform, warp.params, warp.frame
     found = after - before
     if type(ours).advance is Transform.advance:
         return found
     small = 1e-6
-    slopes = np.array([ours.advance(before, small * axis) - before for axis in np.eye(len(before))]).T / small
+    ahead = [ours.advance(before, small * axis, frame) - before for axis in np.eye(len(before))]
+    slopes = np.array(ahead).T / small
     for _ in range(NEWTON):
-        found = found + np.linalg.solve(slopes, after - ours.advance(before, found))
+        found = found + np.linalg.solve(slopes, after - ours.advance(before, found, frame))
     return found
 
 

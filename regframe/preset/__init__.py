@@ -1,6 +1,7 @@
 """The whole experiment as data: what is done to two images, in which order, with which options."""
 
-from regframe.preset.files import as_toml, folder, load, names, parse, save, setting
+from regframe.preset.files import as_toml, load, parse, save, setting
+from regframe.preset.finding import faults, folder, names, origin, shipped
 from regframe.preset.model import Filters, Level, Preset, Stage, dump
 from regframe.preset.paths import differences
 from regframe.preset.schema import schema
@@ -13,11 +14,14 @@ __all__ = [
     "as_toml",
     "differences",
     "dump",
+    "faults",
     "folder",
     "load",
     "names",
+    "origin",
     "parse",
     "save",
     "schema",
     "setting",
+    "shipped",
 ]

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from regframe.errors import PresetError
 from regframe.faults import lines, nearest, shown
 from regframe.io import atomic, refuse_existing
+from regframe.preset.finding import names, place
 from regframe.preset.model import Preset, dump
 from regframe.preset.paths import change
 
@@ -19,12 +20,12 @@ Tree = dict[str, Any]
 
 
 def load(source: str | Path | Preset, overrides: Mapping[str, object] | None = None) -> Preset:
-    """A preset by its shipped name or from a TOML file, with values changed by path.
+    """A preset by its name or from a TOML file, with values changed by path.
 
     Parameters
     ----------
     source : str, Path or Preset
-        A shipped name, a path (it ends in ``.toml``), or a preset as it is.
+        A name, shipped or a plugin's, a path (it ends in ``.toml``), or a preset as it is.
     overrides : mapping of str to object, optional
         Applied in order: ``{"stages.0.metric": "mattes", "stages.0.metric.bins": 32}``.
 
@@ -108,24 +109,6 @@ def save(preset: Preset, path: str | Path, *, force: bool = False) -> None:
         temporary.write_text(text, encoding="utf-8")
 
 
-def names() -> list[str]:
-    """Names of the shipped presets, sorted.
-
-    Examples
-    --------
-    >>> "paper-similarity" in names()
-    True
-    """
-    return sorted(path.stem for path in folder().glob("*.toml"))
-
-
-def folder() -> Path:
-    """Where the shipped presets are: inside an installed package, beside it in a checkout."""
-    package = Path(__file__).parents[1]
-    inside = package / "presets"
-    return inside if inside.is_dir() else package.parent / "presets"
-
-
 def setting(text: str) -> tuple[str, object]:
     """Path and value of a command line's ``path=value``: the value is TOML, or else plain text.
 
@@ -153,8 +136,9 @@ def _find(source: str | Path, beside: Path) -> Path:
     """The file of a name or path; paths start `beside`."""
     if isinstance(source, Path) or source.endswith(".toml") or "/" in source or "\\" in source:
         return beside / Path(source).expanduser()
-    if source in names():
-        return folder() / f"{source}.toml"
+    found = place(source)
+    if found is not None:
+        return found
     file = beside / f"{source}.toml"
     hint = f" To read the file, write {file.name!r}." if file.is_file() else " A file's name ends in .toml."
     message = f"no preset is called {source!r}.{nearest(source, names())} Known: {', '.join(names())}.{hint}"

@@ -16,7 +16,7 @@ from regframe.transforms.base import Transform
 
 LARGEST_SEED = 2**32 - 1
 
-Start = Literal["centres", "identity", "moments", "fields-of-view", "previous"]
+Start = Literal["centres", "identity", "moments", "fields-of-view", "previous", "compose"]
 Estimator = Literal["shift", "physical-shift", "index-shift", "jacobian"]
 ESTIMATORS = ("shift", "physical-shift", "index-shift", "jacobian")
 
@@ -92,7 +92,8 @@ class Stage(Record):
         description=(
             "Where the search begins: image centres on each other, no motion, centres of mass, equal fields "
             "of view (frames brought together by the ratio of their widths), or the stage before; stages "
-            "after the first continue with `previous` unless told otherwise."
+            "after the first continue with `previous` unless told otherwise. `compose` keeps the map found "
+            "so far as it is, and searches another one that is applied before it, from no motion."
         ),
     )
     transform: Annotated[Transform, TRANSFORMS] = Field(
@@ -171,9 +172,10 @@ class Preset(Record):
 
 
 def _start_faults(stages: tuple[Stage, ...]) -> Iterator[InitErrorDetails]:
-    if stages[0].start == "previous":
-        text = 'the first stage has none before it. Got \'previous\'. Write "centres" or "fields-of-view".'
-        yield fault((0, "start"), text, "previous")
+    first = stages[0].start
+    if first in ("previous", "compose"):
+        text = f'the first stage has none before it. Got {first!r}. Write "centres" or "fields-of-view".'
+        yield fault((0, "start"), text, first)
 
 
 def _continued(stage: Stage) -> Stage:

@@ -53,6 +53,24 @@ class Bowl:
         return float(np.sqrt((step**2).sum()))
 
 
+class OneByOne(Bowl):
+    """The same bowl, measured row by row from the last to the first, as another machine might share them."""
+
+    def values(self, batch: NDArray[np.float64]) -> Values:
+        """Height at each row; the batch must be rows of finite float64, one number a parameter."""
+        count = len(self.scales)
+        fits = isinstance(batch, np.ndarray) and batch.ndim == 2 and batch.shape[1] == count
+        require(
+            fits and batch.dtype == np.float64,
+            f"`problem.values` takes float64 rows, (b, {count}). Got {getattr(batch, 'dtype', type(batch))} "
+            f"of shape {np.shape(batch)}.",
+        )
+        heights = np.empty(len(batch))
+        for i in reversed(range(len(batch))):
+            heights[i] = super().values(batch[i : i + 1].copy())[0]
+        return heights
+
+
 class Valley(Bowl):
     """Rosenbrock's curved valley, lowest (0) at (1, 1)."""
 
@@ -128,6 +146,16 @@ def check_two_walks_do_not_mix(optimizer: Optimizer) -> None:
     for wanted, *met in zip(alone, *walkers, strict=False):
         same = all(np.array_equal(step.params, wanted.params) for step in met)
         require(same, "Two walks of one optimizer disturb each other. Keep state in local variables.")
+
+
+def check_batch_order_does_not_matter(optimizer: Optimizer) -> None:
+    """Rows of a batch may be measured together, or one at a time in any order."""
+    together, _ = walk(optimizer, Bowl(), START, iterations=50)
+    apart, _ = walk(optimizer, OneByOne(), START, iterations=50)
+    same = len(together) == len(apart) and all(
+        np.array_equal(one.params, two.params) for one, two in zip(together, apart, strict=False)
+    )
+    require(same, "The walk changes when the rows of a batch are measured one by one, the last one first.")
 
 
 def check_never_worse_than_its_start(optimizer: Optimizer) -> None:
@@ -238,6 +266,7 @@ CHECKS = (
     check_tells_where_it_stands,
     check_same_seed_same_steps,
     check_two_walks_do_not_mix,
+    check_batch_order_does_not_matter,
     check_never_worse_than_its_start,
     check_ends_at_the_bottom_of_a_bowl,
     check_walks_a_curved_valley,

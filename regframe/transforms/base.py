@@ -11,6 +11,7 @@ from regframe.geometry import AffineMap, Frame
 from regframe.types import Params, Points
 
 DIFFERENCE_STEP = 1e-6
+PULL_STEP = 1e-4  # spacings of the grid
 
 
 class Transform(Component):
@@ -67,12 +68,32 @@ class Transform(Component):
             reach[i] = np.sqrt(((there - here) ** 2).sum(axis=1)).max() / step
         return reach
 
-    def advance(self, params: Params, step: Params) -> Params:
+    def advance(self, params: Params, step: Params, frame: Frame) -> Params:
         """Hook: parameters after a gradient optimizer's step, (p,); the sum unless, say, rotations compose.
 
         A step of zeros brings parameters into the family's domain, where that has an end.
         """
         return params + step
+
+    def pull(self, params: Params, points: Points, forces: Points, frame: Frame) -> Points:
+        """Hook: forces on mapped points as forces on the points themselves, ``(d map / d point)^T force``.
+
+        Parameters
+        ----------
+        points, forces : (n, dim) float64, physical, x first
+            Points before the map, and forces on them behind it.
+        """
+        affine = self.as_affine(params, frame)
+        if affine is not None:
+            return np.asarray(forces @ affine.matrix)
+        felt, step = np.empty_like(forces), PULL_STEP * min(frame.grid.spacing)
+        for axis in range(frame.dim):
+            ahead, behind = points.copy(), points.copy()
+            ahead[:, axis] += step
+            behind[:, axis] -= step
+            slope = (self.map(params, ahead, frame) - self.map(params, behind, frame)) / (2 * step)
+            felt[:, axis] = (forces * slope).sum(axis=1)
+        return felt
 
     def as_affine(self, params: Params, frame: Frame) -> AffineMap | None:
         """Hook: the map as a matrix and offset, physical, or None; opens the fast path."""

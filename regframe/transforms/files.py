@@ -152,7 +152,7 @@ def _to_itk(warp: Warp | Chain) -> "sitk.Transform":
     kind = KINDS[type(warp.transform), dim]
     theirs: sitk.Transform = getattr(sitk, kind)(*((dim,) if kind in EITHER else ()))
     theirs.SetFixedParameters(fixed_parameters(warp.transform, warp.frame))
-    theirs.SetParameters(warp.transform.advance(warp.params, np.zeros_like(warp.params)).tolist())
+    theirs.SetParameters(warp.transform.advance(warp.params, np.zeros_like(warp.params), warp.frame).tolist())
     return theirs
 
 

@@ -54,6 +54,10 @@ class Warp:
         """Compose: ``(self @ first)(x) == self(first(x))``."""
         return Chain((self, *first.warps)) if isinstance(first, Chain) else Chain((self, first))
 
+    def pull(self, points: Points, forces: Points) -> Points:
+        """Forces on mapped points as forces on the points themselves, (n, dim) both."""
+        return self.transform.pull(self.params, points, forces, self.frame)
+
     def as_affine(self) -> AffineMap | None:
         """The map as a matrix and offset, or None where it is not affine."""
         return self.transform.as_affine(self.params, self.frame)
@@ -86,6 +90,15 @@ class Chain:
         for warp in reversed(self.warps):
             points = warp(points)
         return points
+
+    def pull(self, points: Points, forces: Points) -> Points:
+        """Forces on mapped points as forces on the points themselves, (n, dim) both."""
+        met = [points]
+        for warp in reversed(self.warps[1:]):
+            met.append(warp(met[-1]))
+        for warp, place in zip(self.warps, reversed(met), strict=True):
+            forces = warp.pull(place, forces)
+        return forces
 
     def __matmul__(self, first: "Warp | Chain") -> "Chain":
         """Compose: ``(self @ first)(x) == self(first(x))``."""

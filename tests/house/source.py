@@ -7,6 +7,7 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PACKAGE = REPOSITORY / "regframe"
+PLUGINS = {path.parent.name: path for path in (REPOSITORY / "plugins").glob("*/regframe_*/__init__.py")}
 
 
 def modules() -> list[str]:
@@ -14,8 +15,15 @@ def modules() -> list[str]:
     return sorted(_dotted(path) for path in PACKAGE.rglob("*.py"))
 
 
+def plugins() -> list[str]:
+    """Name of every plugin's one module, sorted."""
+    return sorted(PLUGINS)
+
+
 def path_of(module: str) -> Path:
     """The file of a module."""
+    if module in PLUGINS:
+        return PLUGINS[module]
     inner = PACKAGE.joinpath(*module.split(".")[1:])
     return inner / "__init__.py" if inner.is_dir() else inner.with_suffix(".py")
 

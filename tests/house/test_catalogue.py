@@ -11,7 +11,12 @@ from house.source import modules, tree
 from regframe.catalog import KINDS
 from regframe.component import Component
 
-ENTRIES = [(kind, name) for kind, registry in KINDS.items() for name in registry.names()]
+ENTRIES = [
+    (kind, name)
+    for kind, registry in KINDS.items()
+    for name in registry.names()
+    if registry.origin(name) == "regframe"
+]
 BASES = {
     "filters": "Filter",
     "interpolators": "Interpolator",

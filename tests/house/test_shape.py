@@ -4,9 +4,10 @@ import ast
 
 import pytest
 
-from house.source import functions, modules, path_of
+from house.source import functions, modules, path_of, plugins
 
 MODULE_LINES, FUNCTION_LINES, PARAMETERS, KERNEL_PARAMETERS = 400, 40, 6, 10
+EVERY = [*modules(), *plugins()]
 
 
 def size(function: ast.FunctionDef) -> int:
@@ -25,12 +26,12 @@ def parameters(function: ast.FunctionDef) -> int:
     return len([name for name in names if name not in ("self", "cls")])
 
 
-@pytest.mark.parametrize("module", modules())
+@pytest.mark.parametrize("module", EVERY)
 def test_a_module_is_short(module):
     assert len(path_of(module).read_text(encoding="utf-8").splitlines()) <= MODULE_LINES
 
 
-@pytest.mark.parametrize("module", modules())
+@pytest.mark.parametrize("module", EVERY)
 def test_a_function_is_short(module):
     long = {name: size(function) for name, function in functions(module) if size(function) > FUNCTION_LINES}
 
@@ -38,7 +39,7 @@ def test_a_function_is_short(module):
 
 
 # A command's parameters are its options, made by typer, so the command line is left out.
-@pytest.mark.parametrize("module", [name for name in modules() if not name.startswith("regframe.cli")])
+@pytest.mark.parametrize("module", [name for name in EVERY if not name.startswith("regframe.cli")])
 def test_a_function_has_few_parameters(module):
     most = KERNEL_PARAMETERS if module.startswith("regframe.kernels.") else PARAMETERS
     many = {name: parameters(function) for name, function in functions(module) if parameters(function) > most}
@@ -46,7 +47,7 @@ def test_a_function_has_few_parameters(module):
     assert many == {}
 
 
-@pytest.mark.parametrize("module", modules())
+@pytest.mark.parametrize("module", EVERY)
 def test_nothing_is_left_for_later(module):
     text = path_of(module).read_text(encoding="utf-8")
 
@@ -55,7 +56,7 @@ def test_nothing_is_left_for_later(module):
     assert "FIXME" not in text
 
 
-@pytest.mark.parametrize("module", [name for name in modules() if path_of(name).stat().st_size > 0])
+@pytest.mark.parametrize("module", [name for name in EVERY if path_of(name).stat().st_size > 0])
 def test_a_module_says_what_it_is_for(module):
     sentence = (ast.get_docstring(ast.parse(path_of(module).read_text(encoding="utf-8"))) or "").splitlines()[
         0

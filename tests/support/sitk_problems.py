@@ -36,7 +36,7 @@ class SitkProblem:
         return value, peer.derivative(self.method, *self.pair, self.at(at), 1e8)
 
     def advance(self, at, step):
-        return self.warp.transform.advance(at, step)
+        return self.warp.transform.advance(at, step, self.warp.frame)
 
     def motion(self, at, step):
         """ITK's: a step whose largest component is 0.01, measured at the corners and scaled."""

@@ -54,6 +54,20 @@ def test_kernels_for_whole_planes_give_the_bits_of_the_general_ones(interpolator
     np.testing.assert_array_equal(weights, inside)
 
 
+def test_pull_back_through_a_whole_volume_equals_its_default():
+    volume, samples = np.random.default_rng(1).normal(size=(9, 12, 80)), Samples((10, 11, 75))
+    turn = AffineMap(
+        np.array([[1.1, 0.1, 0], [-0.1, 0.97, 0.2], [0.01, -0.2, 1.0]]), np.array([-1.3, 0.5, 2])
+    )
+    _, weights = Linear().resample(volume, samples, turn)
+    forces = np.random.default_rng(2).normal(size=len(samples)) * weights
+
+    pulled = Linear().pull_back(volume, samples, turn, forces)
+
+    expected = Interpolator.pull_back(Linear(), volume, samples, turn, forces)
+    np.testing.assert_allclose(pulled, expected, atol=1e-10 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("interpolator", [Linear(), BSpline()], ids=["linear", "bspline"])
 def test_pull_back_equals_its_default(interpolator):
     volume = np.random.default_rng(1).normal(size=(40, 90))

@@ -36,7 +36,7 @@ def test_shipped_presets_are_sorted_and_found_by_name():
 
 def test_presets_inside_the_package_go_first(tmp_path, monkeypatch):
     package = tmp_path / "regframe"
-    monkeypatch.setattr("regframe.preset.files.__file__", str(package / "preset" / "files.py"))
+    monkeypatch.setattr("regframe.preset.finding.__file__", str(package / "preset" / "finding.py"))
 
     beside = folder()
     (package / "presets").mkdir(parents=True)
