@@ -29,7 +29,13 @@ VOLUMES = 12
 EXACT, CLOSE = 1e-6, 1e-4
 """Pixels (or mm) between the corners, of searches by values and of descents."""
 
-CHAOTIC = {}
+CHAOTIC = {
+    ("ants-affine", 2): 10,
+    ("ants-rigid-affine", 2): 10,
+    ("ants-similarity", 2): 10,
+    ("brain-ct-mr", 3): 10,
+    ("elastix-affine", 2): 30,
+}
 """Descents that cannot agree to their ends, and the iterations a level over which they do.
 
 Near the optimum, on rough values or few samples, they amplify a difference in the last bit until it is
@@ -85,7 +91,7 @@ def images(data, name, dim):
     """A pair that suits a preset."""
     if dim == 3:
         return heads(data, "ct" if "ct" in name else "t1")
-    if name.startswith("brain"):
+    if name.startswith("brain-slices"):
         return slices(data, "T1")
     if name.startswith(("paper", "matlab-multimodal", "elastix")):
         return scene(data)

@@ -24,13 +24,17 @@ OWN_WAYS = {
 }
 """Presets that both engines run on different ways, and why: exactly these must say so."""
 
+FOR_VOLUMES = {"brain-affine", "brain-ct-mr", "brain-rigid"}
+"""Presets whose shares of points are for volumes: of a slice they would draw some hundred pixels."""
+
 VALUES_ALONE = (OnePlusOne, Powell, Amoeba, Exhaustive)
 """Optimizers that take no slopes: they decide by values, which agree to the last bits."""
 
 
 def dimensions(chosen: Preset) -> list[int]:
     """The sizes of images that a preset can be run on: its transforms', and its lists' lengths."""
-    return [dim for dim in (2, 3) if all(_fits(stage, dim) for stage in chosen.stages)]
+    sizes = (3,) if chosen.name in FOR_VOLUMES else (2, 3)
+    return [dim for dim in sizes if all(_fits(stage, dim) for stage in chosen.stages)]
 
 
 def _fits(stage: Stage, dim: int) -> bool:
@@ -48,14 +52,22 @@ def without_slopes(chosen: Preset) -> bool:
     return all(isinstance(stage.optimizer, VALUES_ALONE) for stage in chosen.stages)
 
 
-def shortened(name: str, iterations: float) -> Preset:
-    """A shipped preset with at most so many iterations a level; a lattice is visited whole."""
+def shortened(name: str, iterations: float, share: float = 0.0) -> Preset:
+    """A shipped preset with at most so many iterations a level, and at least a share of the points.
+
+    A lattice is visited whole.
+    """
     whole = presets.load(name)
     stages = []
     for stage in whole.stages:
         most = np.inf if isinstance(stage.optimizer, Exhaustive) else iterations
         levels = [
-            level.model_copy(update={"iterations": int(min(level.iterations, most))})
+            level.model_copy(
+                update={
+                    "iterations": int(min(level.iterations, most)),
+                    "fraction": max(level.fraction, share),
+                }
+            )
             for level in stage.levels
         ]
         stages.append(stage.model_copy(update={"levels": tuple(levels)}))
