@@ -22,8 +22,10 @@ METRICS: "Registry[Metric]" = Registry(
         "demons": "regframe.metrics.demons:Demons",
         "itk-joint-histogram-mi": "regframe.metrics.itk_joint_histogram_mi:ItkJointHistogramMi",
         "joint-histogram-mi": "regframe.metrics.joint_histogram_mi:JointHistogramMi",
+        "local-correlation": "regframe.metrics.local_correlation:LocalCorrelation",
         "mattes": "regframe.metrics.mattes:Mattes",
         "mean-squares": "regframe.metrics.mean_squares:MeanSquares",
+        "mind-ssc": "regframe.metrics.mind_ssc:MindSsc",
         "normalised-gradient-fields": (
             "regframe.metrics.normalised_gradient_fields:NormalisedGradientFields"
         ),
@@ -38,6 +40,8 @@ TRANSFORMS: "Registry[Transform]" = Registry(
     {
         "affine": "regframe.transforms.affine:Affine",
         "bspline": "regframe.transforms.bspline:BSpline",
+        "projective": "regframe.transforms.projective:Projective",
+        "projective-radial": "regframe.transforms.projective_radial:ProjectiveRadial",
         "rigid": "regframe.transforms.rigid:Rigid",
         "scale": "regframe.transforms.scale:Scale",
         "scale-skew-versor": "regframe.transforms.scale_skew_versor:ScaleSkewVersor",

@@ -6,6 +6,7 @@ from typing import final
 
 from regframe.engine.base import Engine, LevelReport, Progress, Result
 from regframe.engine.followed import followed
+from regframe.engine.freedom import shown
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
@@ -72,7 +73,8 @@ class _Level:
         scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed, self.setting)
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
-        steps = self.stage.optimizer.steps(objective, at, rng)
+        problem = shown(objective, self.stage, at, space.free)
+        steps = self.stage.optimizer.steps(problem, at[problem.free], rng)
         limit, before = self.level.iterations, len(trace)
         stop = f"the limit of {limit} iterations"
         for count in range(limit):
@@ -81,7 +83,7 @@ class _Level:
             except StopIteration as end:
                 stop = str(end.value)
                 break
-            at = step.params
+            at = problem.whole(step.params)
             place, seconds = (self.number, self.depth, count, limit), perf_counter() - began
             trace.append(
                 Progress(*place, step.value, objective.settled(at), step.size, seconds, objective.evaluations)

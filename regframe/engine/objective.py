@@ -23,7 +23,7 @@ class Objective:
 
     def __init__(self, stage: Stage, scene: Scene, frame: Frame, coordinates: Coordinates) -> None:
         self.stage, self.scene, self.frame, self.coordinates = stage, scene, frame, coordinates
-        self.scales = coordinates.scales
+        self.scales, self.weights = coordinates.scales, coordinates.weights
         self.evaluations = 0
         self.first = float("nan")
         self._prepared = stage.metric.prepare(self._pairs(np.zeros(0), scene.weight, None))

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from regframe.engine.followed import alone
+from regframe.engine.freedom import Freedom, freedom
 from regframe.errors import GeometryError, PresetError
 from regframe.geometry import Frame, Grid
 from regframe.preset import Stage
 from regframe.transforms.base import Transform
-from regframe.types import Params, Points
+from regframe.types import Mask, Params, Points
 
 VARIATION = 0.01  # ITK's small parameter variation
 RADIUS = 5  # ITK's central region radius
@@ -17,11 +18,22 @@ RADIUS = 5  # ITK's central region radius
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """``u = (p - origin) * unit``, and the scales an optimizer is told for `u`."""
+    """``u = (p - origin) * unit``, an optimizer's scales for `u`, and which of `u` it may change."""
 
     origin: Params
     unit: Params
     scales: Params
+    freedom: Freedom | None = None
+
+    @property
+    def weights(self) -> Params:
+        """Factors on the slopes by `u`."""
+        return np.ones_like(self.origin) if self.freedom is None else self.freedom.weights
+
+    @property
+    def free(self) -> Mask:
+        """Which of `u` may change."""
+        return np.ones(len(self.origin), bool) if self.freedom is None else self.freedom.free
 
     def params(self, at: Params) -> Params:
         """The transform's parameters at coordinates (..., p)."""
@@ -50,13 +62,14 @@ def coordinates(
     """
     params = stage.transform.advance(params, np.zeros_like(params), frame)
     count, plain = len(params), np.ones_like(params)
+    freed = freedom(stage, frame, count)
     if stage.scales == "shift":
-        unit = stage.transform.shift(params, frame)
+        unit = np.where(freed.free, stage.transform.shift(params, frame), 1.0)
         if not np.all(unit > 0):
             still = [n for n, u in zip(stage.transform.names(frame), unit, strict=True) if not u > 0]
             message = f"The parameters {still} move nothing here, so they cannot be searched. Give `scales`."
             raise GeometryError(message)
-        return Coordinates(params, unit, plain), np.zeros_like(params)
+        return Coordinates(params, unit, plain, freed), np.zeros_like(params)
     nowhere = np.zeros_like(params)
     if isinstance(stage.scales, tuple):
         if len(stage.scales) != count:
@@ -65,9 +78,9 @@ def coordinates(
                 f"({', '.join(stage.transform.names(frame))}). Give one scale a parameter."
             )
             raise PresetError(message)
-        return Coordinates(nowhere, plain, np.array(stage.scales)), params
+        return Coordinates(nowhere, plain, np.array(stage.scales), freed), params
     estimate = _itk_scales(stage.scales, stage.transform, params, frame, level_grid, moving)
-    return Coordinates(nowhere, plain, estimate), params
+    return Coordinates(nowhere, plain, estimate, freed), params
 
 
 def _itk_scales(

@@ -70,11 +70,14 @@ class Scene:
         return None if self.moving.mask is None else self.moving.mask.astype(np.float64)
 
 
-def smoothed(image: Image, sigma: float) -> Image:
-    """The image after a Gaussian of `sigma` mm (or pixels); 0 leaves it as it is."""
+def smoothed(image: Image, sigma: float, unit: str = "physical") -> Image:
+    """The image after a Gaussian of `sigma` mm (or pixels), or voxels; 0 leaves it as it is."""
     if sigma == 0.0:
         return image
-    per_axis = tuple(sigma / spacing for spacing in reversed(image.grid.spacing))
+    spacings = list(reversed(image.grid.spacing))
+    # ITK makes millimetres of voxels and voxels of them again, which may change the last bit.
+    lengths = [sigma * spacing if unit == "voxels" else sigma for spacing in spacings]
+    per_axis = tuple(length / spacing for length, spacing in zip(lengths, spacings, strict=True))
     return image.with_values(smooth(image.values, per_axis))
 
 
@@ -84,7 +87,7 @@ def prepare(
     """The level's scene, and the sampling seed of the next level."""
     setting = setting or Setting(fixed.grid)
     grid = setting.domain.coarsen(level.shrink)
-    fixed, moving = smoothed(fixed, level.smooth), smoothed(moving, level.smooth)
+    fixed, moving = (smoothed(image, level.smooth, stage.smooth_unit) for image in (fixed, moving))
     samples, seed = draw(level, grid, seed)
     interpolator = stage.interpolator
     index_map, at = _exact_places(grid, samples, fixed.grid, setting.below)

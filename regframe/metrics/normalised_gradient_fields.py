@@ -33,6 +33,7 @@ class NormalisedGradientFields(Metric):
 
     layout: ClassVar[Literal["points", "grid"]] = "grid"
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     def prepare(self, pairs: Pairs) -> Volume:
         """Normalised gradients of the fixed image, (dim, *shape)."""

@@ -23,6 +23,7 @@ class NormalisedMi(Metric):
     bins: int = Field(50, ge=5, le=1024, description="Bins an axis; the outer two at each end stay free.")
 
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     def prepare(self, pairs: Pairs) -> Axes:
         """Fixed bins of all samples and the moving axis."""

@@ -49,8 +49,12 @@ class Sum(Metric):
     @property
     def suits(self) -> tuple[str, ...]:  # type: ignore[override]  # the same
         """What all parts suit."""
-        first, *others = self.parts
-        return tuple(kind for kind in first.suits if all(kind in part.suits for part in others))
+        return _common([part.suits for part in self.parts])
+
+    @property
+    def invariant_to(self) -> tuple[str, ...]:  # type: ignore[override]  # the same
+        """What no part notices."""
+        return _common([part.invariant_to for part in self.parts])
 
     def prepare(self, pairs: Pairs) -> tuple[object, ...]:
         """What each part prepares."""
@@ -85,3 +89,8 @@ class Sum(Metric):
             (part, weight, replace(pairs, prepared=own))
             for part, weight, own in zip(self.parts, weights, prepared, strict=True)
         ]
+
+
+def _common(claims: list[tuple[str, ...]]) -> tuple[str, ...]:
+    """What all lists hold, in the order of the first."""
+    return tuple(claim for claim in claims[0] if all(claim in others for others in claims))

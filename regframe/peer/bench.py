@@ -76,8 +76,8 @@ class Bench:
     @cached_property
     def theirs(self) -> tuple[Image, Image]:
         """Both images as SimpleITK smooths them for the last level."""
-        sigma = self.stage.levels[-1].smooth
-        return probe.smoothed(self.fixed, sigma), probe.smoothed(self.moving, sigma)
+        how = self.stage.levels[-1].smooth, self.stage.smooth_unit
+        return probe.smoothed(self.fixed, *how), probe.smoothed(self.moving, *how)
 
     @cached_property
     def unit(self) -> Params:

@@ -54,8 +54,9 @@ def smoothing(bench: Bench, title: str) -> Iterator[Line]:
         apart = []
         for image in (bench.fixed, bench.moving):
             low, high = image.range()
-            ours, theirs = smoothed(image, level.smooth).values, probe.smoothed(image, level.smooth).values
-            apart.append(float(np.abs(ours - theirs).max()) / (high - low))
+            how = image, level.smooth, bench.stage.smooth_unit
+            ours, theirs = smoothed(*how), probe.smoothed(*how)
+            apart.append(float(np.abs(ours.values - theirs.values).max()) / (high - low))
         what = f"{title}images smoothed for level {number + 1}"
         # Both sides keep intermediate results in single precision.
         yield measured(FLOOR, what, largest(apart), 1e-6, "of the range")

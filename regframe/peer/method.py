@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from regframe.engine.followed import followed
-from regframe.engine.scales import coordinates
+from regframe.engine.scales import Coordinates, coordinates
 from regframe.engine.setting import Setting
 from regframe.image import Image
 from regframe.kernels.jit import threads
@@ -50,7 +50,19 @@ def in_its_terms(stage: Stage, warp: Warp, moving: Image, setting: Setting) -> T
     if stage.scales == "shift" and np.allclose(space.unit, 1.0, rtol=0, atol=1e-6):
         # A translation's parameters are motion already.
         stage = stage.model_copy(update={"scales": (1.0,) * len(space.unit)})
-    return twins.terms(stage.optimizer, stage, space.unit)
+    return _weighed(twins.terms(stage.optimizer, stage, space.unit), space)
+
+
+def _weighed(terms: Terms, space: Coordinates) -> Terms:
+    """The terms with what they say of weights and frozen parameters."""
+    stage = terms.stage
+    if stage.optimizer.weighs:
+        return terms if np.all(space.weights == 1.0) else replace(terms, weights=tuple(space.weights))
+    if not stage.frozen:
+        return terms
+    scales = stage.scales if isinstance(stage.scales, tuple) else tuple(map(float, space.scales))
+    stage, note = twins.held(stage.optimizer, stage.model_copy(update={"scales": scales}), space.free)
+    return replace(terms, stage=stage.model_copy(update={"frozen": ()}), notes=(*terms.notes, note))
 
 
 def told(part: Part, fixed: Image, moving: Image) -> "Method":
@@ -74,6 +86,7 @@ def told(part: Part, fixed: Image, moving: Image) -> "Method":
     method.SetMetricSamplingPercentagePerLevel([level.fraction for level in levels], part.seed)
     method.SetShrinkFactorsPerLevel([level.shrink for level in levels])
     method.SetSmoothingSigmasPerLevel([level.smooth for level in levels])
+    method.SetSmoothingSigmasAreSpecifiedInPhysicalUnits(stage.smooth_unit == "physical")
     # Off for searches without slopes too: it needs four pixels an axis and a gradient image a level.
     method.SetMetricUseMovingImageGradientFilter(stage.gradient == "filtered")
     method.SetMetricUseFixedImageGradientFilter(stage.gradient == "filtered")
@@ -95,6 +108,8 @@ def tell_optimizer(method: "Method", terms: Terms, iterations: int, seed: int) -
     """Tell a method the optimizer, and its scales where it bears them."""
     twins.optimizer(terms.stage.optimizer, method, iterations, seed)
     scales = terms.stage.scales
+    if terms.weights:
+        method.SetOptimizerWeights(list(terms.weights))
     if not terms.scaled:
         return
     if isinstance(scales, tuple):

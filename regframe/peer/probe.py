@@ -121,13 +121,14 @@ def pushed(part: Part, fixed: Image, moving: Image, warp: Warp) -> tuple[float, 
     return values[0], (motion - after).reshape(points.shape)
 
 
-def smoothed(image: Image, sigma: float) -> Image:
+def smoothed(image: Image, sigma: float, unit: str = "physical") -> Image:
     """The image after SimpleITK's recursive Gaussian, as its registration method smooths a level."""
     import SimpleITK as sitk
 
     if sigma == 0.0:
         return image
-    theirs = sitk.SmoothingRecursiveGaussian(convert.image(image), sigma)
+    sigmas = [sigma * spacing if unit == "voxels" else sigma for spacing in image.grid.spacing]
+    theirs = sitk.SmoothingRecursiveGaussian(convert.image(image), sigmas)
     # The filter gives float32 whatever it is given; the registration method casts back.
     return image.with_rounded(sitk.GetArrayFromImage(theirs))
 

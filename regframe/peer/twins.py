@@ -25,7 +25,7 @@ from regframe.optimizers.base import Optimizer
 from regframe.preset import Stage
 from regframe.transforms.base import Transform
 from regframe.transforms.warp import Warp
-from regframe.types import Params
+from regframe.types import Mask, Params
 
 if TYPE_CHECKING:
     import SimpleITK as sitk
@@ -56,6 +56,8 @@ class Terms:
     remembers : bool
         Whether ITK ends a level at the position after the step from the lowest value met. Its events tell
         the current one, and regframe the one to end at.
+    weights : tuple of float
+        Factors on the slopes that SimpleITK is told; none when all are 1.
     """
 
     stage: Stage
@@ -65,6 +67,7 @@ class Terms:
     together: bool = True
     draws: bool = False
     remembers: bool = False
+    weights: tuple[float, ...] = ()
 
 
 @singledispatch
@@ -133,6 +136,28 @@ def terms(ours: Optimizer, stage: Stage, unit: Params) -> Terms:
         )
         raise NoTwin(message)
     return Terms(stage)
+
+
+@singledispatch
+def held(ours: Optimizer, stage: Stage, free: Mask) -> tuple[Stage, str]:
+    """The stage of an optimizer without weights, its frozen parameters said in ITK's terms, and a note.
+
+    Parameters
+    ----------
+    stage : Stage
+        Its scales are a list.
+    free : (p,) bool
+
+    Raises
+    ------
+    NoTwin
+        SimpleITK's optimizer cannot keep a parameter as it is.
+    """
+    message = (
+        f"SimpleITK's twin of {type(ours).__name__} cannot freeze parameters. Search them all, choose an "
+        "optimizer that walks along slopes, or use the native engine."
+    )
+    raise NoTwin(message)
 
 
 @singledispatch

@@ -7,7 +7,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_valida
 from pydantic_core import InitErrorDetails
 
 from regframe.catalog import FILTERS, INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
-from regframe.faults import fault, nearest, raised
+from regframe.faults import fault, nearest, raised, shown
 from regframe.filters.base import Filter
 from regframe.interpolators.base import Interpolator
 from regframe.metrics.base import Metric
@@ -16,7 +16,7 @@ from regframe.transforms.base import Transform
 
 LARGEST_SEED = 2**32 - 1
 
-Start = Literal["centres", "identity", "moments", "fields-of-view", "previous", "compose"]
+Start = Literal["centres", "identity", "moments", "principal-axes", "fields-of-view", "previous", "compose"]
 Estimator = Literal["shift", "physical-shift", "index-shift", "jacobian"]
 ESTIMATORS = ("shift", "physical-shift", "index-shift", "jacobian")
 
@@ -90,7 +90,8 @@ class Stage(Record):
     start: Start = Field(
         "centres",
         description=(
-            "Where the search begins: image centres on each other, no motion, centres of mass, equal fields "
+            "Where the search begins: image centres on each other, no motion, centres of mass, these and the "
+            "axes of the intensities' spread (the smallest turn that lays one on the other), equal fields "
             "of view (frames brought together by the ratio of their widths), or the stage before; stages "
             "after the first continue with `previous` unless told otherwise. `compose` keeps the map found "
             "so far as it is, and searches another one that is applied before it, from no motion."
@@ -115,6 +116,21 @@ class Stage(Record):
             "scales as a list, one number a parameter."
         ),
     )
+    weights: tuple[Annotated[float, Field(ge=0, strict=True)], ...] | None = Field(
+        None,
+        description=(
+            "Factors on the slope by each parameter, ITK's weights, for optimizers that walk along slopes; "
+            "0 keeps a parameter as it is. All 1 unless given."
+        ),
+    )
+    frozen: tuple[str, ...] = Field(
+        (),
+        description="Parameters that stay as the stage finds them, by names as `regframe explain` tells.",
+    )
+    smooth_unit: Literal["physical", "voxels"] = Field(
+        "physical",
+        description=("Unit of the levels' `smooth`: mm (or pixels of a camera), or each image's own voxels."),
+    )
     gradient: Literal["exact", "filtered", "central"] = Field(
         "exact",
         description=(
@@ -123,6 +139,17 @@ class Stage(Record):
         ),
     )
     levels: tuple[Level, ...] = Field((Level(),), min_length=1, description="Run in the order listed.")
+
+    @model_validator(mode="after")
+    def _check_weights(self) -> Self:
+        if self.weights is None or self.optimizer.weighs:
+            return self
+        name = OPTIMIZERS.name_of(self.optimizer)
+        text = (
+            f"the optimizer {name!r} does not walk along slopes, so it has no use for weights. Got "
+            f"{list(self.weights)!r}. Write frozen = [...] with the names of parameters that must stay."
+        )
+        raise raised([fault(("weights",), text, self.weights)])
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:
@@ -161,6 +188,19 @@ class Preset(Record):
     )
     filters: Filters = Field(Filters(), description="Each image's own preparation.")
     stages: tuple[Stage, ...] = Field(min_length=1, description="Searches, each beginning where it is told.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_code(cls, tree: object) -> object:
+        """A preset may come from a stranger, so it names components and never code."""
+        keys = [key for key in ("plugin", "plugins") if isinstance(tree, dict) and key in tree]
+        if keys and isinstance(tree, dict):
+            text = (
+                f"a preset cannot load plugins: it may come from a stranger. Got {shown(tree[keys[0]])}. "
+                "Remove it; name your own files with --plugin FILE, or in your configuration."
+            )
+            raise raised([fault((keys[0],), text, tree[keys[0]])])
+        return tree
 
     @field_validator("stages")
     @classmethod

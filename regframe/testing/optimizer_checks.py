@@ -27,6 +27,7 @@ class Bowl:
 
     def __init__(self, dim: int = 4, *, fence: float = np.inf, noise: float = 0.0) -> None:
         self.scales: Params = np.ones(dim)
+        self.weights: Params = np.ones(dim)
         self.curvature = np.linspace(0.5, 2.0, dim)
         self.fence, self.noise = fence, noise
         self.rng = np.random.default_rng(17)
@@ -262,6 +263,21 @@ def check_tells_where_it_stands(optimizer: Optimizer) -> None:
         require(np.isfinite(step.value), f"On a bowl a step's value must be finite. Got {step.value!r}.")
 
 
+def check_heeds_weights(optimizer: Optimizer) -> None:
+    """One that says it weighs slopes keeps a coordinate of weight 0, to the last bit."""
+    if not optimizer.weighs:
+        message = "the optimizer does not multiply slopes by weights"
+        raise NotApplicable(message)
+    problem = Bowl()
+    problem.weights[1] = 0.0
+    steps, _ = walk(optimizer, problem, START, iterations=30)
+    moved = [i for i, step in enumerate(steps) if step.params[1] != START[1]]
+    require(
+        not moved, f"A coordinate of weight 0 moves at steps {moved[:3]}. Multiply slopes by problem.weights."
+    )
+    require(bool(steps) and steps[-1].params[0] != START[0], "With one weight of 0 nothing moves at all.")
+
+
 CHECKS = (
     check_tells_where_it_stands,
     check_same_seed_same_steps,
@@ -274,6 +290,7 @@ CHECKS = (
     check_accepts_infinite_values,
     check_names_its_stop_reason,
     check_leaves_its_start_alone,
+    check_heeds_weights,
 )
 
 

@@ -15,6 +15,7 @@ class SitkProblem:
         self.fixed, self.moving = peer.image(fixed), peer.image(moving)
         self.pair = fixed, moving
         self.scales = np.array(scales, dtype=np.float64)
+        self.weights = np.ones_like(self.scales)
         self.visited = []  # positions of values, and of slopes
         self.descended = []
 
