@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from regframe.component import Component
+from regframe.engine.candidate import Candidate
 from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap
@@ -38,6 +39,8 @@ class Progress:
         Since the run began.
     evaluations : int
         Metric values computed so far in this level.
+    candidate : int
+        Which of a search's places is walked from, 0 for the best so far.
     """
 
     stage: int
@@ -49,6 +52,7 @@ class Progress:
     size: float
     seconds: float
     evaluations: int
+    candidate: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +95,8 @@ class Result:
         One entry an iteration.
     start : Warp or Chain, optional
         Where the first stage began.
+    candidates : tuple of Candidate
+        What a search found, the one that went on first; then those that came furthest, the best first.
     """
 
     warp: Warp | Chain
@@ -103,6 +109,7 @@ class Result:
     moving: Image
     trace: tuple[Progress, ...] = field(repr=False, default=())
     start: Warp | Chain | None = field(repr=False, default=None)
+    candidates: tuple[Candidate, ...] = field(repr=False, default=())
 
     @property
     def pixel_map(self) -> AffineMap:

@@ -13,7 +13,7 @@ from regframe.preset import Preset, Stage
 
 NAMES = sorted(path.stem for path in (REPOSITORY / "presets").glob("*.toml"))
 
-NATIVE_ONLY: dict[str, str] = {}
+NATIVE_ONLY = {"visual-thermal": "SimpleITK has no metric of oriented gradients, and no search"}
 """Presets that SimpleITK cannot run, and why: it must refuse exactly these."""
 
 OWN_WAYS = {
