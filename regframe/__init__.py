@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from regframe.engine.base import Engine, LevelReport, Progress, Result
     from regframe.engine.resampling import align
     from regframe.engine.run import register
+    from regframe.engine.setting import Placement
     from regframe.errors import (
         GeometryError,
         ImageError,
@@ -59,6 +60,7 @@ __all__ = [
     "Optimizer",
     "OutputError",
     "Pairs",
+    "Placement",
     "Preset",
     "PresetError",
     "Problem",
@@ -105,6 +107,7 @@ _PLACES = {
     "Optimizer": "optimizers.base:Optimizer",
     "OutputError": "errors:OutputError",
     "Pairs": "metrics.base:Pairs",
+    "Placement": "engine.setting:Placement",
     "Preset": "preset:Preset",
     "PresetError": "errors:PresetError",
     "Problem": "optimizers.base:Problem",

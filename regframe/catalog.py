@@ -1,7 +1,9 @@
-"""The five registries and what regframe ships in each: data only, sorted, nothing imported."""
+"""The five registries and what regframe ships in each: data, sorted; nothing is imported."""
 
 from typing import TYPE_CHECKING
 
+from regframe.errors import PresetError
+from regframe.faults import nearest
 from regframe.registry import AnyRegistry, Registry
 
 if TYPE_CHECKING:
@@ -20,8 +22,16 @@ METRICS: "Registry[Metric]" = Registry(
         "demons": "regframe.metrics.demons:Demons",
         "itk-joint-histogram-mi": "regframe.metrics.itk_joint_histogram_mi:ItkJointHistogramMi",
         "joint-histogram-mi": "regframe.metrics.joint_histogram_mi:JointHistogramMi",
+        "local-correlation": "regframe.metrics.local_correlation:LocalCorrelation",
         "mattes": "regframe.metrics.mattes:Mattes",
         "mean-squares": "regframe.metrics.mean_squares:MeanSquares",
+        "mind-ssc": "regframe.metrics.mind_ssc:MindSsc",
+        "normalised-gradient-fields": (
+            "regframe.metrics.normalised_gradient_fields:NormalisedGradientFields"
+        ),
+        "normalised-mi": "regframe.metrics.normalised_mi:NormalisedMi",
+        "oriented-gradients": "regframe.metrics.oriented_gradients:OrientedGradients",
+        "sum": "regframe.metrics.sum:Sum",
     },
 )
 
@@ -31,6 +41,8 @@ TRANSFORMS: "Registry[Transform]" = Registry(
     {
         "affine": "regframe.transforms.affine:Affine",
         "bspline": "regframe.transforms.bspline:BSpline",
+        "projective": "regframe.transforms.projective:Projective",
+        "projective-radial": "regframe.transforms.projective_radial:ProjectiveRadial",
         "rigid": "regframe.transforms.rigid:Rigid",
         "scale": "regframe.transforms.scale:Scale",
         "scale-skew-versor": "regframe.transforms.scale_skew_versor:ScaleSkewVersor",
@@ -99,3 +111,24 @@ KINDS: dict[str, AnyRegistry] = {
     "optimizers": OPTIMIZERS,
     "filters": FILTERS,
 }
+
+
+def of_kind(word: str) -> AnyRegistry:
+    """The registry of a kind, named in the singular or the plural.
+
+    Raises
+    ------
+    PresetError
+        There is no such kind.
+
+    Examples
+    --------
+    >>> of_kind("metric") is of_kind("metrics") is METRICS
+    True
+    """
+    known = {registry.kind: registry for registry in KINDS.values()}
+    found = {**KINDS, **known}.get(word)
+    if found is None:
+        message = f"there is no kind {word!r}.{nearest(word, known)} Known: {', '.join(known)}."
+        raise PresetError(message)
+    return found

@@ -5,6 +5,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from regframe.cli import plugin_files
+from regframe.cli.inputs import Domain, FixedInitial, MovingInitial, Start
+from regframe.cli.plugin_files import Plugins
+
 if TYPE_CHECKING:
     from regframe.peer.report import Report
 
@@ -48,8 +52,13 @@ def crosscheck(
     fail_above: FailAbove = None,
     settings: Settings = None,
     seed: Seed = None,
+    start: Start = None,
+    moving_initial: MovingInitial = None,
+    fixed_initial: FixedInitial = None,
+    domain: Domain = None,
     fixed_mask: FixedMask = None,
     moving_mask: MovingMask = None,
+    plugin: Plugins = None,
     force: Force = False,
     quiet: Quiet = False,
     as_json: AsJson = False,
@@ -61,13 +70,14 @@ def crosscheck(
     from regframe.peer.crosscheck import crosscheck as check_pair
     from regframe.peer.page import check
 
+    plugin_files.use(plugin)
     if out is not None:
         check(out, force=force)
     resolved = resolve(preset, settings or [], seed, "simpleitk")
-    below = inputs.image(fixed, "fixed", fixed_mask)
-    above = inputs.image(moving, "moving", moving_mask)
+    known = inputs.Files(start, moving_initial, fixed_initial, domain)
+    below, above, place = inputs.everything(fixed, moving, (fixed_mask, moving_mask), known)
     with Display(resolved, "none" if quiet or as_json else manner(False)) as display:
-        report = check_pair(resolved, below, above, observers=(display,))
+        report = check_pair(resolved, below, above, observers=(display,), start=place)
     if out is not None:
         report.save(out, force=force)
     tell(report, out, quiet=quiet, as_json=as_json)

@@ -1,14 +1,33 @@
 """What several commands take: image files, masks, transforms, and hints where one is missing."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import typer
 
 from regframe.errors import ImageError
 
 if TYPE_CHECKING:
+    from regframe.engine.setting import Placement
     from regframe.geometry import Grid
     from regframe.image import Image
     from regframe.transforms.warp import Chain, Warp
+
+Start = Annotated[
+    Path | None,
+    typer.Option(help="Begin at this transform.json or ITK transform file, not at the preset's start."),
+]
+MovingInitial = Annotated[
+    Path | None,
+    typer.Option(help="ITK transform file of a map that stays, applied after the searched one."),
+]
+FixedInitial = Annotated[
+    Path | None,
+    typer.Option(help="ITK transform file of a map that stays, from the sampled grid to the fixed image."),
+]
+Domain = Annotated[
+    Path | None, typer.Option(help="Compare at the points of this image's grid, not the fixed image's.")
+]
 
 
 def existing(path: Path, role: str) -> Path:
@@ -34,6 +53,24 @@ def existing(path: Path, role: str) -> Path:
     raise ImageError(message)
 
 
+def everything(
+    fixed: Path, moving: Path, masks: tuple[Path | None, Path | None], known: "Files"
+) -> tuple["Image", "Image", "Placement"]:
+    """Both images with their masks, and where they are known to lie.
+
+    Raises
+    ------
+    ImageError, GeometryError
+        A file is not there, told before any is read; or it cannot be read.
+    """
+    roles = ("fixed image", "moving image", "fixed mask", "moving mask", *known._fields)
+    for path, role in zip((fixed, moving, *masks, *known), roles, strict=True):
+        if path is not None:
+            existing(path, role.replace("_", " "))
+    below = image(fixed, "fixed", masks[0])
+    return below, image(moving, "moving", masks[1]), placement(known, below.grid)
+
+
 def image(path: Path, role: str, mask: Path | None = None) -> "Image":
     """Read an image file, and its mask where there is one."""
     from regframe.io import read, read_mask
@@ -49,6 +86,25 @@ def transform(path: Path, grid: "Grid") -> "Warp | Chain":
     from regframe.transforms import files
 
     return files.read(existing(path, "transform"), grid)
+
+
+def placement(files: "Files", grid: "Grid") -> "Placement":
+    """What the options tell of the images' places; `grid` is the fixed image's."""
+    from regframe.engine.setting import Placement
+
+    domain = None if files.domain is None else image(files.domain, "domain").grid
+    around = grid if domain is None else domain
+    start, beyond, below = (None if path is None else transform(path, around) for path in files[:3])
+    return Placement(start, beyond, below, domain)
+
+
+class Files(NamedTuple):
+    """Files that place the images: three transforms, and the image whose grid is sampled."""
+
+    start: Path | None = None
+    moving_initial: Path | None = None
+    fixed_initial: Path | None = None
+    domain: Path | None = None
 
 
 def _hint(path: Path) -> str:

@@ -12,7 +12,19 @@ from typing import Annotated
 import typer
 
 from regframe import __version__
-from regframe.cli import apply, crosscheck, demo, doctor, explain, listing, preset, register, warmup
+from regframe.cli import (
+    apply,
+    check,
+    crosscheck,
+    demo,
+    doctor,
+    explain,
+    listing,
+    new,
+    preset,
+    register,
+    warmup,
+)
 from regframe.errors import NoOverlapError, RegframeError
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -34,6 +46,8 @@ app.command("crosscheck")(crosscheck.crosscheck)
 app.command("list")(listing.show)
 app.command("explain")(explain.explain)
 app.add_typer(preset.app, name="preset")
+app.command("check")(check.check)
+app.command("new")(new.new)
 app.command("demo")(demo.demo)
 app.command("doctor")(doctor.doctor)
 app.command("warmup")(warmup.warmup)

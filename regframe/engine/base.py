@@ -3,16 +3,24 @@
 from abc import abstractmethod
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from regframe.component import Component
+from regframe.engine.candidate import Candidate
+from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap
 from regframe.image import Image
 from regframe.preset import Preset
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Matrix, Params
+
+if TYPE_CHECKING:
+    from regframe.verdict.verdict import Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +43,8 @@ class Progress:
         Since the run began.
     evaluations : int
         Metric values computed so far in this level.
+    candidate : int
+        Which of a search's places is walked from, 0 for the best so far.
     """
 
     stage: int
@@ -46,6 +56,7 @@ class Progress:
     size: float
     seconds: float
     evaluations: int
+    candidate: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +99,8 @@ class Result:
         One entry an iteration.
     start : Warp or Chain, optional
         Where the first stage began.
+    candidates : tuple of Candidate
+        What a search found, the one that went on first; then those that came furthest, the best first.
     """
 
     warp: Warp | Chain
@@ -100,25 +113,59 @@ class Result:
     moving: Image
     trace: tuple[Progress, ...] = field(repr=False, default=())
     start: Warp | Chain | None = field(repr=False, default=None)
+    candidates: tuple[Candidate, ...] = field(repr=False, default=())
 
     @property
     def pixel_map(self) -> AffineMap:
-        """From fixed to moving pixel, x first, pixel centres at whole numbers."""
+        """From fixed to moving pixel, x first, pixel centres at whole numbers; of affine warps alone."""
         affine = self.warp.as_affine()
         if affine is None:
             message = (
-                "This warp is not affine, so it has no single pixel matrix. Call `warp(points)` instead."
+                "This warp is not affine. Take `pixel_matrix` for a homography, else call `warp(points)`."
             )
             raise GeometryError(message)
         return self.moving.grid.point_to_index @ affine @ self.fixed.grid.index_to_point
 
     @property
     def pixel_matrix(self) -> Matrix:
-        """From fixed to moving pixel, homogeneous: (3, 3) in 2-D, (4, 4) in 3-D."""
-        return self.pixel_map.homogeneous()
+        """From fixed to moving pixel, homogeneous: (3, 3) in 2-D, (4, 4) in 3-D.
 
-    def save(self, folder: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+        Of a homography the last component is the depth, by which the others are divided.
+        """
+        if self.warp.as_affine() is not None:
+            return self.pixel_map.homogeneous()
+        straight = self.warp.as_homogeneous()
+        if straight is None:
+            message = (
+                "This warp bends straight lines, so it has no pixel matrix. Call `warp(points)` instead."
+            )
+            raise GeometryError(message)
+        to_index, from_index = self.moving.grid.point_to_index, self.fixed.grid.index_to_point
+        return unit_depth(to_index.homogeneous() @ straight @ from_index.homogeneous())
+
+    @cached_property
+    def verdict(self) -> "Verdict":
+        """Whether to trust the map: ``good``, ``doubtful``, ``failed`` or ``unjudged``, with its evidence.
+
+        Made when first asked for, which may take as long as the registration did, and kept.
+        """
+        from regframe.verdict.verdict import judge  # a verdict is built on results, not the reverse
+
+        return judge(self)
+
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        force: bool = False,
+        figures: bool = True,
+        verdict: bool = True,
+        keep_failed: bool = False,
+    ) -> Path:
         """Write the aligned image, overlays, plots, transform, result and trace.
+
+        When the verdict is ``failed``, the aligned image and the transform are not written, so that no
+        script picks up a wrong map.
 
         Parameters
         ----------
@@ -128,6 +175,10 @@ class Result:
             Overwrite files of an earlier result.
         figures : bool
             Write the pictures too.
+        verdict : bool
+            Write the verdict too, and heed it.
+        keep_failed : bool
+            Write everything whatever the verdict is.
 
         Raises
         ------
@@ -136,7 +187,9 @@ class Result:
         """
         from regframe.report.files import save  # the report is built on results, not the reverse
 
-        return save(self, Path(folder), force=force, figures=figures)
+        return save(
+            self, Path(folder), force=force, figures=figures, verdict=verdict, keep_failed=keep_failed
+        )
 
     def _repr_html_(self) -> str:
         from regframe.report.html import card
@@ -144,19 +197,26 @@ class Result:
         return card(self)
 
 
+def unit_depth(whole: Matrix) -> Matrix:
+    """A homogeneous matrix scaled to depth 1 at the origin, as is customary, its sign kept."""
+    depth = abs(float(whole[-1, -1]))
+    return whole / depth if depth > np.finfo(np.float64).tiny else whole
+
+
 class Engine(Component):
     """Who runs a preset."""
 
     @abstractmethod
     def iterate(
-        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | None = None
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | Placement | None = None
     ) -> Generator[Progress, None, Result]:
         """Yield a Progress an iteration and return the Result.
 
         Parameters
         ----------
-        start : Warp or Chain, optional
-            Where the first stage begins, in place of its own `start`.
+        start : Warp, Chain or Placement, optional
+            Where the first stage begins, in place of its own `start`; or all that is known of the images'
+            places.
 
         Raises
         ------

@@ -23,7 +23,7 @@ class Objective:
 
     def __init__(self, stage: Stage, scene: Scene, frame: Frame, coordinates: Coordinates) -> None:
         self.stage, self.scene, self.frame, self.coordinates = stage, scene, frame, coordinates
-        self.scales = coordinates.scales
+        self.scales, self.weights = coordinates.scales, coordinates.weights
         self.evaluations = 0
         self.first = float("nan")
         self._prepared = stage.metric.prepare(self._pairs(np.zeros(0), scene.weight, None))
@@ -62,13 +62,13 @@ class Objective:
     def settled(self, at: Params) -> Params:
         """The transform's parameters at coordinates, as they are reported: within the family's domain."""
         params = self.coordinates.params(at)
-        return self.stage.transform.advance(params, np.zeros_like(params))
+        return self.stage.transform.advance(params, np.zeros_like(params), self.frame)
 
     def advance(self, at: Params, step: Params) -> Params:
         """Coordinates after a step: the sum, and what the transform's own rule makes different from it."""
         params, moved = self.coordinates.params(at), step / self.coordinates.unit
         # The bracket is exactly 0 for transforms that add, so their coordinates keep the bits of a plain sum.
-        bent = self.stage.transform.advance(params, moved) - (params + moved)
+        bent = self.stage.transform.advance(params, moved, self.frame) - (params + moved)
         return at + step + bent * self.coordinates.unit
 
     def motion(self, at: Params, step: Params) -> float:
@@ -92,7 +92,8 @@ class Objective:
     def _pairs(self, moving: Values, weight: Values, prepared: object) -> Pairs:
         scene = self.scene
         shape = scene.samples.shape if scene.samples.indices is None else None
-        return Pairs(scene.fixed, moving, weight, scene.fixed_range, scene.moving_range, shape, prepared)
+        ranges, single = (scene.fixed_range, scene.moving_range), scene.moving.rounds
+        return Pairs(scene.fixed, moving, weight, *ranges, shape, prepared, single)
 
     def _counted(self, value: float) -> float:
         if not np.isfinite(value):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from regframe.engine.base import Engine, Observer, Result
+from regframe.engine.setting import Placement
 from regframe.errors import PresetError
 from regframe.faults import nearest
 from regframe.io import coerce
@@ -26,7 +27,7 @@ def register(
     *,
     engine: str | Engine = "native",
     observers: Iterable[Observer] = (),
-    start: Warp | Chain | None = None,
+    start: Warp | Chain | Placement | None = None,
 ) -> Result:
     """Align a moving image to a fixed one.
 
@@ -39,8 +40,9 @@ def register(
     engine : str or Engine
     observers : callables
         Each is called with a Progress after every iteration.
-    start : Warp or Chain, optional
-        Where the first stage begins, in place of its own `start`.
+    start : Warp, Chain or Placement, optional
+        Where the first stage begins, in place of its own `start`; or a Placement, which also holds maps that
+        stay before and after the searched one, and the grid of samples.
 
     Returns
     -------

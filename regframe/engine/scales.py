@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from regframe.engine.followed import alone
+from regframe.engine.freedom import Freedom, freedom
 from regframe.errors import GeometryError, PresetError
 from regframe.geometry import Frame, Grid
 from regframe.preset import Stage
 from regframe.transforms.base import Transform
-from regframe.types import Params, Points
+from regframe.types import Mask, Params, Points
 
 VARIATION = 0.01  # ITK's small parameter variation
 RADIUS = 5  # ITK's central region radius
@@ -16,11 +18,22 @@ RADIUS = 5  # ITK's central region radius
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """``u = (p - origin) * unit``, and the scales an optimizer is told for `u`."""
+    """``u = (p - origin) * unit``, an optimizer's scales for `u`, and which of `u` it may change."""
 
     origin: Params
     unit: Params
     scales: Params
+    freedom: Freedom | None = None
+
+    @property
+    def weights(self) -> Params:
+        """Factors on the slopes by `u`."""
+        return np.ones_like(self.origin) if self.freedom is None else self.freedom.weights
+
+    @property
+    def free(self) -> Mask:
+        """Which of `u` may change."""
+        return np.ones(len(self.origin), bool) if self.freedom is None else self.freedom.free
 
     def params(self, at: Params) -> Params:
         """The transform's parameters at coordinates (..., p)."""
@@ -47,15 +60,16 @@ def coordinates(
     GeometryError
         A parameter that moves nothing.
     """
-    params = stage.transform.advance(params, np.zeros_like(params))
+    params = stage.transform.advance(params, np.zeros_like(params), frame)
     count, plain = len(params), np.ones_like(params)
+    freed = freedom(stage, frame, count)
     if stage.scales == "shift":
-        unit = stage.transform.shift(params, frame)
+        unit = np.where(freed.free, stage.transform.shift(params, frame), 1.0)
         if not np.all(unit > 0):
             still = [n for n, u in zip(stage.transform.names(frame), unit, strict=True) if not u > 0]
             message = f"The parameters {still} move nothing here, so they cannot be searched. Give `scales`."
             raise GeometryError(message)
-        return Coordinates(params, unit, plain), np.zeros_like(params)
+        return Coordinates(params, unit, plain, freed), np.zeros_like(params)
     nowhere = np.zeros_like(params)
     if isinstance(stage.scales, tuple):
         if len(stage.scales) != count:
@@ -64,15 +78,15 @@ def coordinates(
                 f"({', '.join(stage.transform.names(frame))}). Give one scale a parameter."
             )
             raise PresetError(message)
-        return Coordinates(nowhere, plain, np.array(stage.scales)), params
+        return Coordinates(nowhere, plain, np.array(stage.scales), freed), params
     estimate = _itk_scales(stage.scales, stage.transform, params, frame, level_grid, moving)
-    return Coordinates(nowhere, plain, estimate), params
+    return Coordinates(nowhere, plain, estimate, freed), params
 
 
 def _itk_scales(
     kind: str, transform: Transform, params: Params, frame: Frame, grid: Grid, moving: Grid
 ) -> Params:
-    curved = transform.as_affine(params, frame) is None
+    curved = alone(transform).as_affine(params, frame) is None
     points = _central_block(grid) if curved else grid.corners()
     if kind == "jacobian":
         slopes = _jacobian(transform, params, points, frame)
@@ -81,7 +95,7 @@ def _itk_scales(
     for i in range(len(params)):
         step = np.zeros_like(params)
         step[i] = VARIATION
-        there = transform.map(transform.advance(params, step), points, frame)
+        there = transform.map(transform.advance(params, step, frame), points, frame)
         shifts[i] = _largest(kind, here, there, moving)
     eps = float(np.finfo(np.float64).eps)
     if not np.any(shifts > eps):
@@ -141,7 +155,7 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
         The level's fixed grid and the moving image's.
     """
     level_grid, moving = grids
-    curved = stage.transform.as_affine(params, frame) is None
+    curved = alone(stage.transform).as_affine(params, frame) is None
     if stage.scales == "jacobian":
         points = _central_block(level_grid) if curved else level_grid.corners()
         slopes = _jacobian(stage.transform, params, points, frame)
@@ -155,6 +169,6 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
     small = VARIATION / largest if estimated and not curved else 1.0
     kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
     points = level_grid.points(level_grid.all_indices()) if curved else level_grid.corners()
-    ends = (params, stage.transform.advance(params, step * small))
+    ends = (params, stage.transform.advance(params, step * small, frame))
     here, there = (stage.transform.map(end, points, frame) for end in ends)
     return _largest(kind, here, there, moving) / small

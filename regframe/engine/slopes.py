@@ -59,9 +59,11 @@ def of_fixed(stage: Stage, scene: Scene) -> Points:
     """Slope of the fixed image at a level's samples, (n, dim), 0 where they do not count."""
     image, interpolator = scene.still, stage.interpolator
     slopes, counts = np.zeros_like(scene.points), scene.weight > 0.0
-    indices = np.ascontiguousarray(image.grid.indices(scene.points[counts]))
+    points, below = scene.points[counts], scene.below
+    indices = np.ascontiguousarray(image.grid.indices(points if below is None else below(points)))
     coefficients = interpolator.prepare(np.ascontiguousarray(image.values, np.float64))
-    slopes[counts] = ImageSlopes.of(stage, image).at(indices, coefficients)
+    found = ImageSlopes.of(stage, image).at(indices, coefficients)
+    slopes[counts] = found if below is None else below.pull(points, found)
     return slopes
 
 

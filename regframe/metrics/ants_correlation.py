@@ -38,6 +38,7 @@ class AntsCorrelation(Metric):
 
     layout: ClassVar[Literal["points", "grid"]] = "grid"
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted")
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     def value(self, pairs: Pairs) -> float:
         """- sum of w cc / sum of w, with cc = cov(f, m)^2 / (var(f) var(m)) in the window of each point."""

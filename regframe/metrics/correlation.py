@@ -20,6 +20,7 @@ class Correlation(Metric):
     """
 
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted")
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     def value(self, pairs: Pairs) -> float:
         """- cov(f, m)^2 / (var(f) var(m)), infinite without weight."""

@@ -28,6 +28,7 @@ class JointHistogramMi(Metric):
     )
 
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     def prepare(self, pairs: Pairs) -> Bins:
         """Fixed bins of all samples."""

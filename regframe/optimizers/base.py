@@ -36,10 +36,12 @@ class Problem(Protocol):
 
     Coordinates are pixels (or mm) of motion and `scales` are ones, unless the user asked for ITK's
     scales: then coordinates are the transform's parameters and `scales` are ITK's numbers, which each
-    optimizer uses as ITK's does.
+    optimizer uses as ITK's does. `weights` are factors on the slopes, ones unless the user says otherwise;
+    only optimizers that say so in `Optimizer.weighs` are given others.
     """
 
     scales: Params
+    weights: Params
 
     def values(self, batch: NDArray[np.float64]) -> Values:
         """Metric at each row of a (b, p) batch: (b,), infinite where nothing overlaps."""
@@ -75,6 +77,12 @@ class Optimizer(Component):
 
     scans: ClassVar[bool] = False
     """Whether it only measures positions laid out about the start, and finds nothing beyond them."""
+
+    weighs: ClassVar[bool] = False
+    """Whether it multiplies slopes by the problem's weights, so that a weight of 0 keeps a coordinate.
+
+    Others are not shown the coordinates that a stage freezes.
+    """
 
     @abstractmethod
     def steps(self, problem: Problem, start: Params, rng: Normals) -> Generator[Step, None, str]:

@@ -12,6 +12,9 @@ from regframe.types import Params
 _ALIKE = 0.01
 """ITK takes scales that differ from 1 by no more than this for ones."""
 
+_EVEN = 1e-4
+"""ITK takes weights that differ from 1 by no more than this for ones."""
+
 MaximumStep = Annotated[
     float,
     Field(
@@ -61,6 +64,14 @@ ConvergenceWindow = Annotated[
 def effective(scales: Params) -> Params:
     """The scales as ITK uses them: ones where all are nearly one."""
     return np.ones_like(scales) if np.all(np.abs(scales - 1.0) <= _ALIKE) else scales
+
+
+def factors(problem: Problem) -> Params:
+    """What slopes are multiplied by, as in ITK: weights over scales, nothing where all are nearly 1."""
+    weights, scales = problem.weights, problem.scales
+    if np.all(np.abs(weights - 1.0) <= _EVEN):
+        return np.asarray(1.0 / effective(scales))
+    return np.asarray(weights / scales)
 
 
 def learning_rate(problem: Problem, at: Params, move: Params, longest: float, *, otherwise: float) -> float:

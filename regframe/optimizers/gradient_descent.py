@@ -1,7 +1,7 @@
 """Gradient descent with a fixed or an estimated learning rate."""
 
 from collections.abc import Generator
-from typing import Literal, final
+from typing import ClassVar, Literal, final
 
 import numpy as np
 from pydantic import Field
@@ -14,7 +14,7 @@ from regframe.optimizers.descent import (
     Keep,
     LearningRate,
     MaximumStep,
-    effective,
+    factors,
     learning_rate,
     length,
 )
@@ -32,6 +32,8 @@ class GradientDescent(Optimizer):
     Two departures from ITK: `keep` says which position is reported, where ITK returns the last; and the
     learning rate is estimated wherever that is asked for, where ITK does so only beside estimated scales.
     """
+
+    weighs: ClassVar[bool] = True
 
     learning_rate: LearningRate = 1.0
     estimate_learning_rate: Literal["never", "once", "each-iteration"] = Field(
@@ -53,7 +55,7 @@ class GradientDescent(Optimizer):
         position after the move and the value before it, as ITK's events tell. `Step.size` is the length
         of the move.
         """
-        factors = 1.0 / effective(problem.scales)
+        by = factors(problem)
         here = np.array(start, dtype=np.float64)
         value, uphill = problem.value_and_gradient(here)
         best, lowest = here, value
@@ -66,7 +68,7 @@ class GradientDescent(Optimizer):
                     f"the value's fall {fall:.3g} has come down to convergence_minimum "
                     f"({self.convergence_minimum:g})"
                 )
-            slope = -uphill * factors
+            slope = -uphill * by
             if not np.isfinite(slope).all():
                 return "the slope is not a finite number"
             if estimate:

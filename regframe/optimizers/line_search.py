@@ -3,7 +3,7 @@
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Generator
-from typing import Literal, final
+from typing import ClassVar, Literal, final
 
 import numpy as np
 from pydantic import Field
@@ -15,7 +15,7 @@ from regframe.optimizers.descent import (
     ConvergenceWindow,
     LearningRate,
     MaximumStep,
-    effective,
+    factors,
     learning_rate,
     length,
 )
@@ -30,6 +30,8 @@ Bracket = tuple[float, float, float]
 
 class LineSearchDescent(Optimizer):
     """A descent that searches its learning rate anew by golden section at each iteration."""
+
+    weighs: ClassVar[bool] = True
 
     learning_rate: LearningRate = 1.0
     estimate_learning_rate: Literal["never", "once"] = Field(
@@ -73,7 +75,7 @@ class LineSearchDescent(Optimizer):
     @final
     def steps(self, problem: Problem, start: Params, rng: Normals) -> Generator[Step, None, str]:
         """Yield an iteration's best position and value so far, and the length of its move."""
-        factors, turn = 1.0 / effective(problem.scales), self.direction()
+        by, turn = factors(problem), self.direction()
         here = np.array(start, dtype=np.float64)
         value, uphill = problem.value_and_gradient(here)
         best, lowest = here, value if self.keep == "best" else math.inf
@@ -86,7 +88,7 @@ class LineSearchDescent(Optimizer):
                     f"the value's fall {fall:.3g} has come down to convergence_minimum "
                     f"({self.convergence_minimum:g})"
                 )
-            heading = turn(-uphill * factors)
+            heading = turn(-uphill * by)
             if not np.isfinite(heading).all():
                 return "the slope is not a finite number"
             if estimate:

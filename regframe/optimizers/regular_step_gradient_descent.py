@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Generator
-from typing import Literal, Self, final
+from typing import ClassVar, Literal, Self, final
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from regframe.optimizers.base import Normals, Optimizer, Problem, Step
-from regframe.optimizers.descent import Keep, MaximumStep, dot, effective, learning_rate, length
+from regframe.optimizers.descent import Keep, MaximumStep, dot, factors, learning_rate, length
 from regframe.types import Params
 
 
@@ -20,6 +20,8 @@ class RegularStepGradientDescent(Optimizer):
     though a better one may have been met; `keep` says which is reported here. The slope's size sets only
     the direction and the stop, never the step's length.
     """
+
+    weighs: ClassVar[bool] = True
 
     learning_rate: float = Field(
         1.0,
@@ -72,7 +74,7 @@ class RegularStepGradientDescent(Optimizer):
         position after the move and the value before it, as ITK's events tell. `Step.size` is the length
         of the move.
         """
-        factors = 1.0 / effective(problem.scales)
+        by = factors(problem)
         here = np.array(start, dtype=np.float64)
         value, uphill = problem.value_and_gradient(here)
         best, lowest = here, value
@@ -80,12 +82,12 @@ class RegularStepGradientDescent(Optimizer):
         relaxation, rate = 1.0, self.learning_rate
         estimate = self.estimate_learning_rate != "never"
         while True:
-            slope = -uphill * factors
+            slope = -uphill * by
             steepness = length(slope)
             reason = self._too_flat(steepness)
             if reason:
                 return reason
-            if dot(slope, before * factors) < 0.0:
+            if dot(slope, before * by) < 0.0:
                 relaxation *= self.relaxation
             if relaxation * rate < self.minimum_step:
                 return (

@@ -11,6 +11,7 @@ import numpy as np
 
 from regframe.catalog import INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
 from regframe.component import Component
+from regframe.engine.setting import Setting
 from regframe.errors import NoTwin, RegframeError
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
@@ -22,10 +23,14 @@ from regframe.preset import Level, Preset, Stage
 from regframe.transforms.warp import Warp
 
 HEAD = "| component | SimpleITK's | compared by | within | how it relates to ITK's |\n|---|---|---|---|---|"
-OPTIONS: Mapping[str, Mapping[str, Any]] = {"exhaustive": {"number_of_steps": [1]}}
-"""What is set for the measurement: a lattice that fits into the level's iterations."""
+OPTIONS: Mapping[str, Mapping[str, Any]] = {
+    "exhaustive": {"number_of_steps": [1]},
+    "sum": {"parts": ["mattes", "correlation"]},
+}
+"""What is set for the measurement: a lattice that fits into the level's iterations, and what must be."""
 LEVEL = Level(shrink=2, smooth=1.0, iterations=100)
 NONE = "none"
+SAME = "The same."
 
 
 @dataclass(frozen=True)
@@ -96,7 +101,7 @@ def _row(
     try:
         twin = theirs(ours)
     except NoTwin:
-        return Row(name, NONE, "pairs only", None, "", relation)
+        return Row(name, NONE, "pairs only", None, "", "Has no twin." if relation == SAME else relation)
     try:
         way, within, unit = measure(ours)
     except RegframeError as error:
@@ -109,7 +114,7 @@ def _relation(ours: Component) -> str:
     text = " ".join(cleandoc(ours.__doc__ or "").split())
     sentences = re.split(r"(?<=[.;]) (?=[A-Z`])", text)
     told = " ".join(one for one in sentences if "ITK" in one or "itk::" in one).rstrip(";.")
-    return f"{told}.".replace("|", "\\|") if told else "The same."
+    return f"{told}.".replace("|", "\\|") if told else SAME
 
 
 class _Recorder:
@@ -204,7 +209,7 @@ def _bench(pair: tuple[Image, Image], **changes: Any) -> Bench:
     frame = Frame.about_centre(fixed.grid)
     params = stage.transform.identity(frame)
     off = np.random.default_rng(4).normal(size=len(params)) / stage.transform.shift(params, frame)
-    return Bench(stage, 1, fixed, moving, Warp(stage.transform, params + off, frame))
+    return Bench(stage, 1, fixed, moving, Warp(stage.transform, params + off, frame), Setting(fixed.grid))
 
 
 def _dim2() -> tuple[Image, Image]:

@@ -6,15 +6,17 @@ from functools import cached_property
 
 import numpy as np
 
+from regframe.engine.followed import followed
 from regframe.engine.objective import Objective
 from regframe.engine.scales import Coordinates
 from regframe.engine.scene import prepare
+from regframe.engine.setting import Setting
 from regframe.geometry import Grid
 from regframe.image import Image
 from regframe.peer import probe, twins
 from regframe.peer.method import Part, seeds_used
 from regframe.preset import Stage
-from regframe.transforms.warp import Warp
+from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params
 
 MOST_SWEEPS = 12
@@ -37,6 +39,8 @@ class Bench:
         After their filters, of one float type.
     warp : Warp
         The answer of the stage.
+    setting : Setting
+        What stays around it.
     """
 
     stage: Stage
@@ -44,6 +48,7 @@ class Bench:
     fixed: Image
     moving: Image
     warp: Warp
+    setting: Setting
 
     @cached_property
     def last_seed(self) -> int:
@@ -57,7 +62,8 @@ class Bench:
         if stage.gradient == "exact":
             stage = stage.model_copy(update={"gradient": "filtered"})
         stage = stage.model_copy(update={"metric": twins.sloped(stage.metric)})
-        scene, _ = prepare(stage, stage.levels[-1], self.fixed, self.moving, self.last_seed)
+        stage = followed(stage, self.setting.beyond)
+        scene, _ = prepare(stage, stage.levels[-1], self.fixed, self.moving, self.last_seed, self.setting)
         ones = np.ones_like(self.warp.params)
         return Objective(stage, scene, self.warp.frame, Coordinates(np.zeros_like(ones), ones, ones))
 
@@ -65,18 +71,18 @@ class Bench:
     def part(self) -> Part:
         """The last level as SimpleITK is told it, for images that are smoothed already."""
         level = self.stage.levels[-1].model_copy(update={"smooth": 0.0})
-        return Part(self.objective.stage, (level,), self.last_seed)
+        return Part(self.objective.stage, (level,), self.last_seed, self.setting)
 
     @cached_property
     def theirs(self) -> tuple[Image, Image]:
         """Both images as SimpleITK smooths them for the last level."""
-        sigma = self.stage.levels[-1].smooth
-        return probe.smoothed(self.fixed, sigma), probe.smoothed(self.moving, sigma)
+        how = self.stage.levels[-1].smooth, self.stage.smooth_unit
+        return probe.smoothed(self.fixed, *how), probe.smoothed(self.moving, *how)
 
     @cached_property
     def unit(self) -> Params:
         """Motion per unit of each parameter at the answer."""
-        return self.warp.transform.shift(self.warp.params, self.warp.frame)
+        return self.objective.stage.transform.shift(self.warp.params, self.warp.frame)
 
     @property
     def grid(self) -> Grid:
@@ -91,6 +97,10 @@ class Bench:
     def at(self, params: Params) -> Warp:
         """The stage's map at other parameters."""
         return Warp(self.warp.transform, params, self.warp.frame)
+
+    def onward(self, params: Params) -> Warp | Chain:
+        """The whole way from the domain to the moving image at other parameters."""
+        return self.setting.onward(self.at(params))
 
     def swept(self) -> Iterator[tuple[str, np.ndarray, list[Params]]]:
         """For some parameters: the name, motions in physical units, and positions through the answer."""

@@ -54,8 +54,9 @@ def smoothing(bench: Bench, title: str) -> Iterator[Line]:
         apart = []
         for image in (bench.fixed, bench.moving):
             low, high = image.range()
-            ours, theirs = smoothed(image, level.smooth).values, probe.smoothed(image, level.smooth).values
-            apart.append(float(np.abs(ours - theirs).max()) / (high - low))
+            how = image, level.smooth, bench.stage.smooth_unit
+            ours, theirs = smoothed(*how), probe.smoothed(*how)
+            apart.append(float(np.abs(ours.values - theirs.values).max()) / (high - low))
         what = f"{title}images smoothed for level {number + 1}"
         # Both sides keep intermediate results in single precision.
         yield measured(FLOOR, what, largest(apart), 1e-6, "of the range")
@@ -64,12 +65,12 @@ def smoothing(bench: Bench, title: str) -> Iterator[Line]:
 def transform(bench: Bench, what: str) -> Line:
     """Where random points go, at the answer and around it."""
     rng = np.random.default_rng(1)
-    grid, unit = bench.fixed.grid, bench.unit
+    grid, unit = bench.setting.domain, bench.unit
     indices = rng.uniform(-0.5, np.array(grid.shape) - 0.5, (MANY, grid.dim))
     points, apart = grid.points(indices), []
     for size in (0.0, 1.0, 10.0):
         moved = rng.normal(size=len(unit)) * size / np.where(unit > 0, unit, 1.0)
-        warp = bench.at(bench.warp.params + moved)
+        warp = bench.onward(bench.warp.params + moved)
         apart.append(float(np.abs(warp(points) - probe.mapped(warp, points)).max()))
     return measured(FLOOR, what, largest(apart), 1e-9, unit_of(bench))
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from regframe.geometry import Grid
+from regframe.geometry import Frame, Grid
 from regframe.image import Image
 from regframe.io.convert import array_to_sitk
 from regframe.peer import (
@@ -12,7 +12,7 @@ from regframe.peer import (
     twins,
     walks,  # noqa: F401  # the same
 )
-from regframe.transforms.warp import Warp
+from regframe.transforms.warp import Chain, Warp
 from regframe.types import Mask
 
 if TYPE_CHECKING:
@@ -37,13 +37,31 @@ def mask(ours: Mask, grid: Grid) -> "sitk.Image":
     return array_to_sitk(ours.astype(np.uint8), grid)
 
 
-def transform(warp: Warp) -> "sitk.Transform":
-    """SimpleITK's transform with the same parameters about the same centre.
+def transform(warp: Warp | Chain) -> "sitk.Transform":
+    """SimpleITK's transform with the same parameters about the same centre; of a chain a composite one.
 
     Raises
     ------
     NoTwin
     """
+    import SimpleITK as sitk
+
+    if isinstance(warp, Chain):
+        return sitk.CompositeTransform([transform(one) for one in warp.warps])
     theirs = twins.transform(warp.transform, warp.frame)
     theirs.SetParameters(list(map(float, warp.params)))
     return theirs
+
+
+def centred(warp: Warp | Chain, frame: Frame) -> "sitk.Transform":
+    """A map for SimpleITK to apply after the searched one, its affine members written about another centre.
+
+    SimpleITK sets the searched transform's centre to that of a map applied after it, which changes the
+    searched map. About the same centre there is nothing to change.
+    """
+    import SimpleITK as sitk
+
+    if isinstance(warp, Chain):
+        return sitk.CompositeTransform([centred(one, frame) for one in warp.warps])
+    affine = warp.as_affine()
+    return transform(warp if affine is None else Warp.of_affine(affine, frame))

@@ -10,6 +10,7 @@ from regframe.engine.base import Observer, Result
 from regframe.engine.native import check_images, filtered
 from regframe.engine.provenance import versions
 from regframe.engine.run import as_preset
+from regframe.engine.setting import Placement
 from regframe.errors import RegframeError
 from regframe.io import coerce
 from regframe.peer import components, convert, pairs, probe, whole
@@ -17,7 +18,7 @@ from regframe.peer.bench import Bench
 from regframe.peer.components import precision, relative, unit_of
 from regframe.peer.report import Line, Report, Sweep, measured
 from regframe.preset import Preset
-from regframe.transforms.warp import Warp
+from regframe.transforms.warp import Chain, Warp
 
 
 def crosscheck(
@@ -26,6 +27,7 @@ def crosscheck(
     moving: Any,
     *,
     observers: Iterable[Observer] = (),
+    start: Warp | Chain | Placement | None = None,
 ) -> Report:
     """Hold regframe against SimpleITK on one pair of images: by parts, by pairs and by whole runs.
 
@@ -36,6 +38,8 @@ def crosscheck(
     fixed, moving : path, numpy array, SimpleITK image or Image
     observers : callables
         Each is called with a Progress after every iteration of SimpleITK's run, the longest part.
+    start : Warp, Chain or Placement, optional
+        As for `register`.
 
     Returns
     -------
@@ -62,13 +66,14 @@ def crosscheck(
     below, above = convert.same_type(*filtered(resolved, *given))
     # Both engines get images of one float type, so that they round alike.
     ready = resolved.model_copy(update={"filters": type(resolved.filters)()})
-    runs = whole.run(ready, below, above, tuple(observers))
-    found = whole.answers(runs.native, (below, above))
+    place = Placement.of(start)
+    runs = whole.run(ready, below, above, tuple(observers), place)
+    found = whole.answers(runs.native, (below, above), place)
     lines: list[Line] = []
     sweeps: list[Sweep] = []
     benches = [
-        Bench(stage, resolved.seed, below, above, warp)
-        for stage, warp in zip(runs.native.preset.stages, found, strict=True)
+        Bench(stage, resolved.seed, below, above, *answer)
+        for stage, answer in zip(runs.native.preset.stages, found, strict=True)
     ]
     for number, bench in enumerate(benches):
         title = f"stage {number + 1}: " if len(benches) > 1 else ""
@@ -127,11 +132,10 @@ def _scores(runs: whole.Runs, bench: Bench) -> dict[str, dict[str, float]]:
     """Value of each answer by each metric, on the last level."""
     found = {}
     for name, result in _named(runs).items():
-        warp = result.warp
-        assert isinstance(warp, Warp)
-        values = {"native": float(bench.objective.values(warp.params[None])[0])}
+        params = np.array(result.levels[-1].params)
+        values = {"native": float(bench.objective.values(params[None])[0])}
         try:
-            values["simpleitk"] = probe.value(bench.part, *bench.theirs, warp)
+            values["simpleitk"] = probe.value(bench.part, *bench.theirs, bench.at(params))
         except RegframeError:
             return {}
         found[name] = values

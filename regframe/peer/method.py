@@ -2,12 +2,14 @@
 
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from regframe.engine.scales import coordinates
+from regframe.engine.followed import followed
+from regframe.engine.scales import Coordinates, coordinates
+from regframe.engine.setting import Setting
 from regframe.image import Image
 from regframe.kernels.jit import threads
 from regframe.peer import convert, twins
@@ -16,19 +18,22 @@ from regframe.preset import Level, Stage
 from regframe.transforms.warp import Warp
 
 if TYPE_CHECKING:
+    import SimpleITK as sitk
+
     from regframe.peer.twins import Method
 
 
 @dataclass(frozen=True)
 class Part:
-    """Levels of a stage that one call of SimpleITK can run, and their sampling seed."""
+    """Levels of a stage that one call of SimpleITK can run, their sampling seed, and what stays around."""
 
     stage: Stage
     levels: tuple[Level, ...]
     seed: int
+    setting: Setting
 
 
-def in_its_terms(stage: Stage, warp: Warp, fixed: Image, moving: Image) -> Terms:
+def in_its_terms(stage: Stage, warp: Warp, moving: Image, setting: Setting) -> Terms:
     """The stage as SimpleITK can run it from a warp, with notes on what is said otherwise.
 
     Raises
@@ -39,19 +44,32 @@ def in_its_terms(stage: Stage, warp: Warp, fixed: Image, moving: Image) -> Terms
     GeometryError
         A parameter that moves nothing.
     """
-    grid = fixed.grid.coarsen(stage.levels[0].shrink)
-    space, _ = coordinates(stage, warp.params, warp.frame, grid, moving.grid)
+    grid = setting.domain.coarsen(stage.levels[0].shrink)
+    whole = followed(stage, setting.beyond)
+    space, _ = coordinates(whole, warp.params, warp.frame, grid, moving.grid)
     if stage.scales == "shift" and np.allclose(space.unit, 1.0, rtol=0, atol=1e-6):
         # A translation's parameters are motion already.
         stage = stage.model_copy(update={"scales": (1.0,) * len(space.unit)})
-    return twins.terms(stage.optimizer, stage, space.unit)
+    return _weighed(twins.terms(stage.optimizer, stage, space.unit), space)
+
+
+def _weighed(terms: Terms, space: Coordinates) -> Terms:
+    """The terms with what they say of weights and frozen parameters."""
+    stage = terms.stage
+    if stage.optimizer.weighs:
+        return terms if np.all(space.weights == 1.0) else replace(terms, weights=tuple(space.weights))
+    if not stage.frozen:
+        return terms
+    scales = stage.scales if isinstance(stage.scales, tuple) else tuple(map(float, space.scales))
+    stage, note = twins.held(stage.optimizer, stage.model_copy(update={"scales": scales}), space.free)
+    return replace(terms, stage=stage.model_copy(update={"frozen": ()}), notes=(*terms.notes, note))
 
 
 def told(part: Part, fixed: Image, moving: Image) -> "Method":
     """A method that knows metric, interpolator, masks, pyramid, samples and slopes; no optimizer yet."""
     import SimpleITK as sitk
 
-    stage, levels = part.stage, part.levels
+    stage, levels, domain = part.stage, part.levels, part.setting.domain
     method = sitk.ImageRegistrationMethod()
     method.SetNumberOfThreads(threads())
     method.SetInterpolator(getattr(sitk, twins.interpolator(stage.interpolator)))
@@ -60,21 +78,38 @@ def told(part: Part, fixed: Image, moving: Image) -> "Method":
         method.SetMetricFixedMask(convert.mask(fixed.mask, fixed.grid))
     if moving.mask is not None:
         method.SetMetricMovingMask(convert.mask(moving.mask, moving.grid))
+    if domain != fixed.grid:
+        direction = [entry for row in domain.direction for entry in row]
+        method.SetVirtualDomain(list(reversed(domain.shape)), domain.origin, domain.spacing, direction)
     kinds = {"all": method.NONE, "regular": method.REGULAR, "random": method.RANDOM}
     method.SetMetricSamplingStrategy(kinds[levels[0].sampling])
     method.SetMetricSamplingPercentagePerLevel([level.fraction for level in levels], part.seed)
     method.SetShrinkFactorsPerLevel([level.shrink for level in levels])
     method.SetSmoothingSigmasPerLevel([level.smooth for level in levels])
+    method.SetSmoothingSigmasAreSpecifiedInPhysicalUnits(stage.smooth_unit == "physical")
     # Off for searches without slopes too: it needs four pixels an axis and a gradient image a level.
     method.SetMetricUseMovingImageGradientFilter(stage.gradient == "filtered")
     method.SetMetricUseFixedImageGradientFilter(stage.gradient == "filtered")
     return method
 
 
+def put(method: "Method", part: Part, warp: Warp) -> "sitk.Transform":
+    """Tell a method all maps; what is given back is the searched one, which it changes in place."""
+    moved, setting = convert.transform(warp), part.setting
+    if setting.below is not None:
+        method.SetFixedInitialTransform(convert.transform(setting.below))
+    if setting.beyond is not None:
+        method.SetMovingInitialTransform(convert.centred(setting.beyond, warp.frame))
+    method.SetInitialTransform(moved, True)
+    return moved
+
+
 def tell_optimizer(method: "Method", terms: Terms, iterations: int, seed: int) -> None:
     """Tell a method the optimizer, and its scales where it bears them."""
     twins.optimizer(terms.stage.optimizer, method, iterations, seed)
     scales = terms.stage.scales
+    if terms.weights:
+        method.SetOptimizerWeights(list(terms.weights))
     if not terms.scaled:
         return
     if isinstance(scales, tuple):
@@ -88,7 +123,7 @@ def tell_optimizer(method: "Method", terms: Terms, iterations: int, seed: int) -
     estimators[scales]()
 
 
-def parts(terms: Terms, seed: int) -> list[Part]:
+def parts(terms: Terms, seed: int, setting: Setting) -> list[Part]:
     """Runs of levels that SimpleITK can make in one call: equal iterations and kind of sampling."""
     stage = terms.stage
     found: list[list[Level]] = []
@@ -100,7 +135,7 @@ def parts(terms: Terms, seed: int) -> list[Part]:
             found.append([level])
     whole = []
     for levels in found:
-        whole.append(Part(stage, tuple(levels), seed))
+        whole.append(Part(stage, tuple(levels), seed, setting))
         seed += len(levels) * seeds_used(levels[0])
     return whole
 

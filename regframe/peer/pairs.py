@@ -1,5 +1,6 @@
 """The second floor: SimpleITK reads the intensities, the preset's own metric judges them."""
 
+from dataclasses import replace
 from math import ceil, log10
 
 import numpy as np
@@ -13,7 +14,7 @@ from regframe.peer.bench import Bench
 from regframe.peer.components import attempted, precision, relative
 from regframe.peer.report import Floor, Line, measured
 from regframe.transforms.translation import Translation
-from regframe.transforms.warp import Warp
+from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params, Points, Values
 
 FLOOR: Floor = "pairs"
@@ -58,10 +59,10 @@ def built(bench: Bench, params: Params) -> Pairs:
     scene, (fixed, moving) = bench.objective.scene, bench.theirs
     sparse = scene.samples.indices is not None
     points = scene.points if sparse else None
-    here = Warp(Translation(), np.zeros(fixed.dim), bench.warp.frame)
+    here = bench.setting.below or Warp(Translation(), np.zeros(fixed.dim), bench.warp.frame)
     name = twins.interpolator(bench.stage.interpolator)
     below, first = _read(fixed, here, bench.grid, points, name)
-    above, second = _read(moving, bench.at(params), bench.grid, points, name)
+    above, second = _read(moving, bench.onward(params), bench.grid, points, name)
     fixed_range = scene.fixed_range if sparse else fixed.range()
     pairs = Pairs(
         below,
@@ -70,15 +71,13 @@ def built(bench: Bench, params: Params) -> Pairs:
         fixed_range,
         moving.range(),
         None if sparse else scene.samples.shape,
+        single=moving.rounds,
     )
-    prepared = bench.stage.metric.prepare(pairs)
-    return Pairs(
-        pairs.fixed, pairs.moving, pairs.weight, fixed_range, pairs.moving_range, pairs.shape, prepared
-    )
+    return replace(pairs, prepared=bench.stage.metric.prepare(pairs))
 
 
 def _read(
-    image: Image, warp: Warp, grid: Grid, points: Points | None, name: str
+    image: Image, warp: Warp | Chain, grid: Grid, points: Points | None, name: str
 ) -> tuple[Values, "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"]:
     """Values through a warp and which of them exist and count, on a grid or at points of it."""
     masks = [] if image.mask is None else [image.with_rounded(image.mask)]

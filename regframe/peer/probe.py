@@ -10,8 +10,8 @@ from regframe.interpolators.base import Samples
 from regframe.io.convert import array_to_sitk
 from regframe.peer import convert, twins
 from regframe.peer.faults import translated
-from regframe.peer.method import Part, quiet, told
-from regframe.transforms.warp import Warp
+from regframe.peer.method import Part, put, quiet, told
+from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params, Points, Values
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ LARGEST = 1e300
 def value_and_count(part: Part, fixed: Image, moving: Image, warp: Warp) -> tuple[float, int]:
     """Metric and number of samples that it counts, at the first level of a part.
 
-    Read in the event of a step of no length, the one way that follows sampling and pyramid.
+    Read in the event of a lattice of one position, which follows sampling and pyramid and asks no slopes.
 
     Raises
     ------
@@ -42,7 +42,9 @@ def value_and_count(part: Part, fixed: Image, moving: Image, warp: Warp) -> tupl
         sitk.sitkIterationEvent,
         lambda: seen.append((method.GetMetricValue(), method.GetMetricNumberOfValidPoints())),
     )
-    _one_step(method, convert.transform(warp), (fixed, moving), 1e-300)
+    put(method, part, warp)
+    method.SetOptimizerAsExhaustive([0] * len(warp.params), 1.0)
+    _execute(method, (fixed, moving))
     value, count = seen[0]
     return (float("inf") if value > LARGEST else value), count
 
@@ -58,10 +60,10 @@ def value(part: Part, fixed: Image, moving: Image, warp: Warp) -> float:
     level = part.levels[0]
     if level.sampling != "all" or level.smooth > 0:
         return value_and_count(part, fixed, moving, warp)[0]
-    method, grid = told(part, fixed, moving), fixed.grid.coarsen(level.shrink)
+    method, grid = told(part, fixed, moving), part.setting.domain.coarsen(level.shrink)
     direction = [entry for row in grid.direction for entry in row]
     method.SetVirtualDomain(list(reversed(grid.shape)), grid.origin, grid.spacing, direction)
-    method.SetInitialTransform(convert.transform(warp), True)
+    put(method, part, warp)
     try:
         with quiet():
             found = float(method.MetricEvaluate(*map(convert.image, (fixed, moving))))
@@ -81,9 +83,10 @@ def derivative(part: Part, fixed: Image, moving: Image, warp: Warp) -> Params:
     slope = np.zeros_like(warp.params)
     rate = 1e-3
     for _ in range(2):
-        moved = convert.transform(warp)
-        _one_step(method, moved, (fixed, moving), rate)
-        slope = -twins.step(warp.transform, warp.params, np.array(moved.GetParameters())) / rate
+        moved = put(method, part, warp)
+        method.SetOptimizerAsGradientDescent(rate, 1, -1e300, 100, method.Never)
+        _execute(method, (fixed, moving))
+        slope = -twins.step(warp, np.array(moved.GetParameters())) / rate
         steepest = float(np.abs(slope).max())
         if steepest == 0.0:
             break
@@ -111,24 +114,27 @@ def pushed(part: Part, fixed: Image, moving: Image, warp: Warp) -> tuple[float, 
     moved = sitk.DisplacementFieldTransform(field)
     method, values = told(part, fixed, moving), []
     method.AddCommand(sitk.sitkIterationEvent, lambda: values.append(method.GetMetricValue()))
-    _one_step(method, moved, (fixed, moving), 1.0)
+    method.SetOptimizerAsGradientDescent(1.0, 1, -1e300, 100, method.Never)
+    method.SetInitialTransform(moved, True)
+    _execute(method, (fixed, moving))
     after = np.array(moved.GetParameters()).reshape(motion.shape)
     return values[0], (motion - after).reshape(points.shape)
 
 
-def smoothed(image: Image, sigma: float) -> Image:
+def smoothed(image: Image, sigma: float, unit: str = "physical") -> Image:
     """The image after SimpleITK's recursive Gaussian, as its registration method smooths a level."""
     import SimpleITK as sitk
 
     if sigma == 0.0:
         return image
-    theirs = sitk.SmoothingRecursiveGaussian(convert.image(image), sigma)
+    sigmas = [sigma * spacing if unit == "voxels" else sigma for spacing in image.grid.spacing]
+    theirs = sitk.SmoothingRecursiveGaussian(convert.image(image), sigmas)
     # The filter gives float32 whatever it is given; the registration method casts back.
     return image.with_rounded(sitk.GetArrayFromImage(theirs))
 
 
 def resampled(
-    image: Image, warp: Warp, grid: "sitk.Image", name: str, *, double: bool = True
+    image: Image, warp: Warp | Chain, grid: "sitk.Image", name: str, *, double: bool = True
 ) -> NDArray[np.float64]:
     """Values of an image on a grid through a warp, NaN outside; `double` keeps float64."""
     import SimpleITK as sitk
@@ -140,7 +146,7 @@ def resampled(
     return np.asarray(sitk.GetArrayFromImage(found), np.float64)
 
 
-def mapped(warp: Warp, points: Points) -> Points:
+def mapped(warp: Warp | Chain, points: Points) -> Points:
     """Moving points of (n, dim) fixed points."""
     theirs = convert.transform(warp)
     return np.array([theirs.TransformPoint(list(map(float, point))) for point in points])
@@ -171,9 +177,7 @@ def reference(image: Image) -> "sitk.Image":
     return array_to_sitk(np.zeros(image.grid.shape, np.uint8), image.grid)
 
 
-def _one_step(method: "Method", moved: "sitk.Transform", pair: tuple[Image, Image], rate: float) -> None:
-    method.SetOptimizerAsGradientDescent(rate, 1, -1e300, 100, method.Never)
-    method.SetInitialTransform(moved, True)
+def _execute(method: "Method", pair: tuple[Image, Image]) -> None:
     try:
         with quiet():
             method.Execute(*map(convert.image, pair))

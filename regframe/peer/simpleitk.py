@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 
 from regframe.engine.base import Engine, LevelReport, Progress, Result
-from regframe.engine.native import begun, check_images, filtered
+from regframe.engine.native import check_images, filtered
 from regframe.engine.provenance import provenance
 from regframe.engine.sampling import draw
+from regframe.engine.setting import Placement, Setting, begun, opened
 from regframe.engine.start import begin
 from regframe.errors import NoOverlapError
 from regframe.image import Image
 from regframe.peer import convert, probe
 from regframe.peer.faults import translated
 from regframe.peer.lockstep import Teller, lockstep
-from regframe.peer.method import Part, in_its_terms, parts, quiet, seeds_used, tell_optimizer, told
+from regframe.peer.method import Part, in_its_terms, parts, put, quiet, seeds_used, tell_optimizer, told
 from regframe.peer.twins import Terms
 from regframe.preset import Preset, Stage
 from regframe.transforms.warp import Chain, Warp
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
     from regframe.peer.twins import Method
 
 AGAIN = (
-    "levels of different lengths or kinds of sampling are separate runs in SimpleITK, so random draws begin "
-    "anew at each"
+    "levels of different lengths or kinds of sampling are separate runs in SimpleITK, so the optimizer's "
+    "random draws begin anew at each"
 )
 NO_REASON = "no reason given"
 WIDENED = "one image is float32 and the other float64, which SimpleITK refuses: both are taken as float64"
@@ -56,7 +57,7 @@ class SimpleITKEngine(Engine):
     """
 
     def iterate(
-        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | None = None
+        self, preset: Preset, fixed: Image, moving: Image, *, start: Warp | Chain | Placement | None = None
     ) -> Generator[Progress, None, Result]:
         """Yield a Progress an iteration and return the Result."""
         began = perf_counter()
@@ -66,17 +67,20 @@ class SimpleITKEngine(Engine):
         run = _Run(pair, began, preset.seed)
         if fixed.values.dtype != moving.values.dtype:
             run.notes.append(WIDENED)
-        first: Warp | None = None
-        for number, stage in enumerate(begun(preset.stages, start)):
-            warp = begin(stage, *pair, start)
-            first = first or warp
-            start = yield from run.stage(stage, number, warp)
+        place = Placement.of(start)
+        setting, before = opened(place, fixed), place.start
+        first: Warp | Chain | None = None
+        for number, stage in enumerate(begun(preset.stages, place)):
+            setting = setting.entered(stage, before)
+            warp = begin(stage, *pair, before, setting)
+            first = first or setting.whole(warp)
+            warp = yield from run.stage(stage, number, warp, setting)
+            before = warp
         facts = provenance(preset, *given, seconds=perf_counter() - began, engine="simpleitk")
         spoken = [stage.model_dump(mode="json") for stage in run.spoken]
         facts |= {"notes": list(dict.fromkeys(run.notes)), "told": spoken, "alike": run.alike}
-        last, trace = run.reports[-1], tuple(run.trace)
-        assert isinstance(start, Warp)
-        return Result(start, last.value, last.stop, tuple(run.reports), preset, facts, *given, trace, first)
+        last, trace, found = run.reports[-1], tuple(run.trace), setting.whole(warp)
+        return Result(found, last.value, last.stop, tuple(run.reports), preset, facts, *given, trace, first)
 
 
 class _Run:
@@ -90,14 +94,16 @@ class _Run:
         self.spoken: list[Stage] = []
         self.alike = True
 
-    def stage(self, stage: Stage, number: int, warp: Warp) -> Generator[Progress, None, Warp]:
+    def stage(
+        self, stage: Stage, number: int, warp: Warp, setting: Setting
+    ) -> Generator[Progress, None, Warp]:
         """Run one stage from a warp."""
-        spoken = in_its_terms(stage, warp, *self.pair)
+        spoken = in_its_terms(stage, warp, self.pair[1], setting)
         self.spoken.append(spoken.stage)
         self.notes += spoken.notes
         self.alike &= spoken.alike
-        divided = parts(spoken, self.seed)
-        if spoken.together and len(divided) > 1:
+        divided = parts(spoken, self.seed, setting)
+        if spoken.draws and len(divided) > 1:
             self.notes.append(AGAIN)
             self.alike = False
         depth = 0
@@ -144,10 +150,10 @@ class _Run:
         """Add the report of a level of a part."""
         level = part.levels[depth]
         seed = part.seed + depth * seeds_used(level)
-        grid = self.pair[0].grid.coarsen(level.shrink)
+        grid = part.setting.domain.coarsen(level.shrink)
         walked = [p for p in self.trace if (p.stage, p.level) == place]
         before = self.trace[: self.trace.index(walked[0])] if walked else self.trace
-        first = _start_value(Part(part.stage, (level,), seed), self.pair, start)
+        first = _start_value(Part(part.stage, (level,), seed, part.setting), self.pair, start)
         since = before[-1].seconds if before else 0.0
         self.reports.append(
             LevelReport(
@@ -181,15 +187,19 @@ def _execute(spoken: Terms, part: Part, pair: tuple[Image, Image], warp: Warp, t
     """One call of SimpleITK, telling iterations and ends of levels."""
     import SimpleITK as sitk
 
-    method, moved = told(part, *pair), convert.transform(warp)
+    method = told(part, *pair)
     tell_optimizer(method, spoken, part.levels[0].iterations, part.seed)
-    method.SetInitialTransform(moved, True)
+    moved = put(method, part, warp)
     values: list[float] = []
+    lowest: list[tuple[float, Params]] = []
 
     def iteration() -> None:
         values.append(method.GetMetricValue())
-        here = np.array(method.GetOptimizerPosition())
-        if not tell(_Seen(method.GetCurrentLevel(), values[-1], here, _size(method))):
+        seen = values[-1], np.array(method.GetOptimizerPosition())
+        if spoken.remembers and lowest and not seen[0] < lowest[0][0]:
+            seen = lowest[0]
+        lowest[:] = [seen]
+        if not tell(_Seen(method.GetCurrentLevel(), *seen, _size(method))):
             method.StopRegistration()
 
     def level_end() -> None:
@@ -199,6 +209,7 @@ def _execute(spoken: Terms, part: Part, pair: tuple[Image, Image], warp: Warp, t
             last = values[-1] if values else float("nan")
             tell(_Seen(level, last, np.array(moved.GetParameters()), 0.0, stop or NO_REASON))
             values.clear()
+            lowest.clear()
 
     method.AddCommand(sitk.sitkIterationEvent, iteration)
     method.AddCommand(sitk.sitkMultiResolutionIterationEvent, level_end)
@@ -221,6 +232,7 @@ def _reason(text: str, limit: int) -> str:
 
 def told_preset(preset: Preset, facts: Any) -> Preset:
     """The preset as SimpleITK was told it, for the native engine to walk alike."""
-    return Preset(
-        name=preset.name, about=preset.about, seed=preset.seed, filters=preset.filters, stages=facts["told"]
-    )
+    # The first stage's start may have been replaced by what was given; that is given again.
+    starts = [stage.model_dump(mode="json")["start"] for stage in preset.stages]
+    told = [stage | {"start": start} for stage, start in zip(facts["told"], starts, strict=True)]
+    return Preset(name=preset.name, about=preset.about, seed=preset.seed, filters=preset.filters, stages=told)

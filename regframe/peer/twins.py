@@ -24,7 +24,8 @@ from regframe.metrics.base import Metric, Pairs
 from regframe.optimizers.base import Optimizer
 from regframe.preset import Stage
 from regframe.transforms.base import Transform
-from regframe.types import Params
+from regframe.transforms.warp import Warp
+from regframe.types import Mask, Params
 
 if TYPE_CHECKING:
     import SimpleITK as sitk
@@ -50,6 +51,13 @@ class Terms:
         Whether SimpleITK may be told scales; with L-BFGS-B they end the process.
     together : bool
         Whether one call may run several levels.
+    draws : bool
+        Whether the optimizer draws random numbers, whose course ends with a call.
+    remembers : bool
+        Whether ITK ends a level at the position after the step from the lowest value met. Its events tell
+        the current one, and regframe the one to end at.
+    weights : tuple of float
+        Factors on the slopes that SimpleITK is told; none when all are 1.
     """
 
     stage: Stage
@@ -57,6 +65,9 @@ class Terms:
     alike: bool = True
     scaled: bool = True
     together: bool = True
+    draws: bool = False
+    remembers: bool = False
+    weights: tuple[float, ...] = ()
 
 
 @singledispatch
@@ -128,6 +139,28 @@ def terms(ours: Optimizer, stage: Stage, unit: Params) -> Terms:
 
 
 @singledispatch
+def held(ours: Optimizer, stage: Stage, free: Mask) -> tuple[Stage, str]:
+    """The stage of an optimizer without weights, its frozen parameters said in ITK's terms, and a note.
+
+    Parameters
+    ----------
+    stage : Stage
+        Its scales are a list.
+    free : (p,) bool
+
+    Raises
+    ------
+    NoTwin
+        SimpleITK's optimizer cannot keep a parameter as it is.
+    """
+    message = (
+        f"SimpleITK's twin of {type(ours).__name__} cannot freeze parameters. Search them all, choose an "
+        "optimizer that walks along slopes, or use the native engine."
+    )
+    raise NoTwin(message)
+
+
+@singledispatch
 def counted(ours: Metric, pairs: Pairs) -> int:
     """How many samples a metric counts: those with weight, unless it drops more."""
     return int(np.count_nonzero(pairs.weight))
@@ -139,18 +172,20 @@ def sloped(ours: Metric) -> Metric:
     return ours
 
 
-def step(ours: Transform, before: Params, after: Params) -> Params:
-    """The step that an ITK optimizer made to get from one position to the next.
+def step(warp: Warp, after: Params) -> Params:
+    """The step that an ITK optimizer made to get from a warp's parameters to others.
 
     Their difference, but for families whose `advance` composes rotations: there it is solved for.
     """
+    ours, before, frame = warp.transform, warp.params, warp.frame
     found = after - before
     if type(ours).advance is Transform.advance:
         return found
     small = 1e-6
-    slopes = np.array([ours.advance(before, small * axis) - before for axis in np.eye(len(before))]).T / small
+    ahead = [ours.advance(before, small * axis, frame) - before for axis in np.eye(len(before))]
+    slopes = np.array(ahead).T / small
     for _ in range(NEWTON):
-        found = found + np.linalg.solve(slopes, after - ours.advance(before, found))
+        found = found + np.linalg.solve(slopes, after - ours.advance(before, found, frame))
     return found
 
 

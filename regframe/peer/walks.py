@@ -18,13 +18,15 @@ from regframe.optimizers.regular_step_gradient_descent import RegularStepGradien
 from regframe.peer import twins
 from regframe.peer.twins import Terms
 from regframe.preset import Stage
-from regframe.types import Params
+from regframe.types import Mask, Params
 
 if TYPE_CHECKING:
     from regframe.peer.twins import Method
 
 LAST = 'SimpleITK returns the last position, so keep = "last"'
 LISTED = 'scales = "shift" is told as a list, measured once at the start of the stage'
+FAR = 1e30
+"""The scale of a parameter that must not move: its steps are lost in rounding."""
 SMALLEST, LARGEST = float(np.finfo(np.float64).tiny), float(np.finfo(np.float64).max)
 """What SimpleITK takes for "no bound"."""
 
@@ -49,7 +51,7 @@ def _(ours: OnePlusOne, stage: Stage, unit: Params) -> Terms:
         )
     if ours.variates != "wallace":
         notes.append(f'the draws of variates = "{ours.variates}" have no counterpart; SimpleITK uses its own')
-    return Terms(stage, tuple(notes), alike=ours.variates == "wallace")
+    return Terms(stage, tuple(notes), alike=ours.variates == "wallace", draws=True)
 
 
 @twins.optimizer.register(RegularStepGradientDescent)
@@ -131,7 +133,7 @@ def _(ours: LineSearchDescent, stage: Stage, unit: Params) -> Terms:
         notes += (
             "SimpleITK's later levels begin with the last learning rate found, ours with the given one",
         )
-    return Terms(stage, notes, alike=not carried)
+    return Terms(stage, notes, alike=not carried, remembers=True)
 
 
 @twins.optimizer.register(Powell)
@@ -210,6 +212,35 @@ def _(ours: Lbfgsb, stage: Stage, unit: Params) -> Terms:
         notes.append("SimpleITK's slopes are central differences, regframe's those of what it interpolates")
     # One level a call: SimpleITK begins every level where the first one began.
     return Terms(stage, tuple(notes), alike=False, scaled=False, together=False)
+
+
+@twins.held.register(OnePlusOne)
+@twins.held.register(Powell)
+def _(ours: OnePlusOne | Powell, stage: Stage, free: Mask) -> tuple[Stage, str]:
+    return _scaled(stage, free, FAR)
+
+
+@twins.held.register(Amoeba)
+def _(ours: Amoeba, stage: Stage, free: Mask) -> tuple[Stage, str]:
+    # It adds coordinates times scales, so that a larger scale would leave no digits to the others.
+    return _scaled(stage, free, 1e10)
+
+
+@twins.held.register(Exhaustive)
+def _(ours: Exhaustive, stage: Stage, free: Mask) -> tuple[Stage, str]:
+    kept = np.zeros(len(free), np.int64)
+    # One number a free parameter, unless a single one has been written out for all.
+    every = len(ours.number_of_steps) == len(free)
+    kept[free] = np.array(ours.number_of_steps)[free] if every else ours.number_of_steps
+    changed = ours.model_copy(update={"number_of_steps": tuple(map(int, kept))})
+    return _changed(stage, optimizer=changed), "frozen parameters are told as 0 steps"
+
+
+def _scaled(stage: Stage, free: Mask, far: float) -> tuple[Stage, str]:
+    assert isinstance(stage.scales, tuple)
+    scales = tuple(s if one else far for s, one in zip(stage.scales, free, strict=True))
+    note = f"SimpleITK cannot freeze parameters in this search, so they are told the scale {far:g}"
+    return _changed(stage, scales=scales), note
 
 
 def _descending(stage: Stage, unit: Params, *, estimated: bool) -> tuple[Stage, tuple[str, ...]]:

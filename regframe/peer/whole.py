@@ -7,6 +7,7 @@ import numpy as np
 
 from regframe.engine.base import Engine, Observer, Progress, Result
 from regframe.engine.native import Native
+from regframe.engine.setting import Placement, Setting, begun, opened
 from regframe.engine.start import begin
 from regframe.errors import NoTwin, RegframeError
 from regframe.image import Image
@@ -47,7 +48,13 @@ class Runs:
         return self.simpleitk is not None and bool(self.simpleitk.provenance["alike"])
 
 
-def run(preset: Preset, fixed: Image, moving: Image, observers: Sequence[Observer] = ()) -> Runs:
+def run(
+    preset: Preset,
+    fixed: Image,
+    moving: Image,
+    observers: Sequence[Observer] = (),
+    place: Placement | None = None,
+) -> Runs:
     """Run a preset with both engines; observers watch SimpleITK's run, which takes longest.
 
     Raises
@@ -55,25 +62,32 @@ def run(preset: Preset, fixed: Image, moving: Image, observers: Sequence[Observe
     RegframeError
         The native engine cannot run it.
     """
+
+    def native(one: Preset) -> Result:
+        return finished(Native(), one, (fixed, moving), (), place)
+
     try:
-        theirs = finished(SimpleITKEngine(), preset, (fixed, moving), observers)
+        theirs = finished(SimpleITKEngine(), preset, (fixed, moving), observers, place)
     except NoTwin as error:
-        return Runs(finished(Native(), preset, (fixed, moving)), None, None, str(error))
+        return Runs(native(preset), None, None, str(error))
     except RegframeError as error:
-        refusal = f"SimpleITK's run failed: {error}"
-        return Runs(finished(Native(), preset, (fixed, moving)), None, None, refusal)
+        return Runs(native(preset), None, None, f"SimpleITK's run failed: {error}")
     told = told_preset(preset, theirs.provenance)
-    ours = finished(Native(), told, (fixed, moving))
+    ours = native(told)
     if told.stages == preset.stages:
         return Runs(ours, theirs, None, "")
-    return Runs(ours, theirs, finished(Native(), preset, (fixed, moving)), "")
+    return Runs(ours, theirs, native(preset), "")
 
 
 def finished(
-    engine: Engine, preset: Preset, pair: tuple[Image, Image], observers: Sequence[Observer] = ()
+    engine: Engine,
+    preset: Preset,
+    pair: tuple[Image, Image],
+    observers: Sequence[Observer] = (),
+    place: Placement | None = None,
 ) -> Result:
     """The result of a whole run."""
-    steps = engine.iterate(preset, *pair)
+    steps = engine.iterate(preset, *pair, start=place)
     while True:
         try:
             progress = next(steps)
@@ -84,13 +98,19 @@ def finished(
             observer(progress)
 
 
-def answers(result: Result, pair: tuple[Image, Image]) -> list[Warp]:
-    """The map that each stage ended with; `pair` are the images after their filters."""
-    found: list[Warp] = []
-    for number, stage in enumerate(result.preset.stages):
-        warp = begin(stage, *pair, found[-1] if found else None)
+def answers(
+    result: Result, pair: tuple[Image, Image], place: Placement | None = None
+) -> list[tuple[Warp, Setting]]:
+    """The map that each stage ended with, and its setting; `pair` are the images after their filters."""
+    place = place or Placement()
+    setting, before = opened(place, pair[0]), place.start
+    found: list[tuple[Warp, Setting]] = []
+    for number, stage in enumerate(begun(result.preset.stages, place)):
+        setting = setting.entered(stage, before)
+        warp = begin(stage, *pair, before, setting)
         params = [level.params for level in result.levels if level.stage == number][-1]
-        found.append(Warp(warp.transform, np.array(params), warp.frame))
+        before = Warp(warp.transform, np.array(params), warp.frame)
+        found.append((before, setting))
     return found
 
 

@@ -2,11 +2,11 @@
 
 In a test file of a plugin these two lines run every check that fits, one test each::
 
-    from regframe.testing.checks import conformance
+    from regframe.testing import conformance
 
-    test_conformance = conformance(MyMetric(), MyOptimizer(patience=3))
+    test_conformance = conformance("metric", "my-metric")
 
-Elsewhere `verify` runs the same checks and returns what they say.
+Elsewhere `verify` runs the same checks and returns what they say, and so does ``regframe check``.
 """
 
 import json
@@ -14,9 +14,10 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pickle import dumps, loads
-from typing import Any
+from time import perf_counter
+from typing import Any, Literal, overload
 
-from regframe.catalog import FILTERS, INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
+from regframe.catalog import FILTERS, INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS, of_kind
 from regframe.component import Component
 from regframe.errors import PresetError
 from regframe.filters.base import Filter
@@ -29,6 +30,7 @@ from regframe.testing import (
     interpolator_checks,
     metric_checks,
     optimizer_checks,
+    state_checks,
     transform_checks,
 )
 from regframe.testing.claims import NotApplicable, require
@@ -64,11 +66,30 @@ class Check:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of a check: `message` names the fault, or why the check does not apply, or is empty."""
+    """What came of a check.
+
+    Parameters
+    ----------
+    name, about : str
+        The claim in a few words, and in a sentence.
+    outcome : str
+        "holds", "fails" or "does not apply".
+    message : str
+        The fault, or why the check does not apply.
+    seconds : float
+        What the check took.
+    """
 
     name: str
-    passed: bool
+    about: str
+    outcome: Literal["holds", "fails", "does not apply"]
     message: str = ""
+    seconds: float = 0.0
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing was found wrong."""
+        return self.outcome != "fails"
 
 
 def check_survives_pickling(component: Component) -> None:
@@ -152,6 +173,7 @@ COMMON = (
     check_is_frozen_and_closed,
     check_describes_its_options,
     check_says_what_it_is,
+    *state_checks.CHECKS,
 )
 
 KINDS: tuple[tuple[type[Component], Registry[Any], tuple[Callable[[Any], None], ...]], ...] = (
@@ -196,19 +218,41 @@ def verify(component: Component) -> list[Verdict]:
     return [_judge(check) for check in checks_for(component)]
 
 
-def conformance(*components: Component) -> Callable[..., None]:
+@overload
+def conformance(*components: Component) -> Callable[..., None]: ...
+
+
+@overload
+def conformance(kind: str, /, *names: str) -> Callable[..., None]: ...
+
+
+def conformance(*components: Component | str) -> Callable[..., None]:
     """A pytest test function that runs every check of some components, each as a test of its own.
 
     Checks that do not apply are skipped with their reason. Needs pytest.
+
+    Parameters
+    ----------
+    components : Component
+        What to check, with the options to check it with; or, as on the command line, a kind and names:
+        the components registered under them, with their defaults.
+
+    Raises
+    ------
+    PresetError
+        No such kind or name, or the component cannot be built.
 
     Examples
     --------
     >>> from regframe.transforms.rigid import Rigid
     >>> test_rigid = conformance(Rigid())
+    >>> test_by_name = conformance("transform", "rigid", "affine")
     """
     import pytest
 
-    found = [check for component in components for check in checks_for(component)]
+    built = _built([part for part in components if isinstance(part, str)])
+    built += [part for part in components if isinstance(part, Component)]
+    found = [check for component in built for check in checks_for(component)]
 
     @pytest.mark.parametrize("check", found, ids=_identity)
     def test_conformance(check: Check) -> None:
@@ -220,16 +264,31 @@ def conformance(*components: Component) -> Callable[..., None]:
     return test_conformance
 
 
+def _built(words: Sequence[str]) -> list[Component]:
+    """The components that a kind and names stand for."""
+    if not words:
+        return []
+    registry = of_kind(words[0])
+    built: list[Component] = [registry.build(name) for name in words[1:]]
+    return built
+
+
 def _judge(check: Check) -> Verdict:
+    began = perf_counter()
+    outcome, message = _outcome(check)
+    return Verdict(check.name, check.about, outcome, message, perf_counter() - began)
+
+
+def _outcome(check: Check) -> tuple[Literal["holds", "fails", "does not apply"], str]:
     try:
         check.run()
     except NotApplicable as reason:
-        return Verdict(check.name, True, f"does not apply: {reason}")
+        return "does not apply", str(reason)
     except AssertionError as fault:
-        return Verdict(check.name, False, str(fault))
+        return "fails", str(fault)
     except Exception as error:  # a check meets code that nobody has tried; its failure is a verdict too
-        return Verdict(check.name, False, f"raises {type(error).__name__}: {error}")
-    return Verdict(check.name, True)
+        return "fails", f"raises {type(error).__name__}: {error}"
+    return "holds", ""
 
 
 def _identity(check: Check) -> str:

@@ -2,10 +2,13 @@
 
 import numpy as np
 
+from regframe.errors import RegframeError
 from regframe.filters.base import Filter
 from regframe.image import Image
 from regframe.testing.claims import require, unchanged
 from regframe.testing.phantoms import smooth_pair
+
+GUARD = "Guard the division by its range or deviation."
 
 
 def example_images() -> list[Image]:
@@ -54,4 +57,27 @@ def check_is_deterministic(given: Filter) -> None:
         )
 
 
-CHECKS = (check_keeps_grid_and_mask, check_leaves_its_input_alone, check_is_deterministic)
+def check_gives_finite_values(given: Filter) -> None:
+    """Values are finite floats; a flat image gives such too, or is refused with a reason."""
+    for image in example_images():
+        flat = image.with_rounded(np.full(image.grid.shape, 7.0))
+        for name, each in (("an image", image), ("a constant image", flat)):
+            try:
+                values = given(each).values
+            except RegframeError as error:
+                # A filter may refuse an image in its own words. This is what an Image says of NaN.
+                require("NaN" not in str(error), f"{image.dim}-D: {name} gives NaN. {GUARD}")
+                continue
+            bad = np.count_nonzero(~np.isfinite(values))
+            require(
+                values.dtype in (np.float32, np.float64) and not bad,
+                f"{image.dim}-D: {name} gives {values.dtype} with {bad} NaN or infinite values. {GUARD}",
+            )
+
+
+CHECKS = (
+    check_keeps_grid_and_mask,
+    check_leaves_its_input_alone,
+    check_is_deterministic,
+    check_gives_finite_values,
+)

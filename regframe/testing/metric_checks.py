@@ -1,6 +1,7 @@
 """What every metric must hold."""
 
 import sys
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pickle import dumps, loads
@@ -15,6 +16,15 @@ from regframe.types import Values
 SHAPE = (40, 44)
 ROUNDING = 1e-9  # relative; sums of a few thousand terms in another order differ by 1e-13
 KINDS: dict[str, Modality] = {"mono": "mono", "inverted": "inverted", "multimodal": "multimodal"}
+
+Change = Callable[[Values, tuple[float, float]], Values]
+CHANGES: dict[str, Change] = {
+    "shift": lambda values, _: values + 1234.5,
+    "scale": lambda values, _: 3.7 * values,
+    "inversion": lambda values, ends: ends[0] + ends[1] - values,
+    "monotone": lambda values, ends: np.expm1(2.0 * (values - ends[0]) / (ends[1] - ends[0])),
+}
+"""What `invariant_to` may name, as changes of the moving intensities; the last rises along a curve."""
 
 
 def example_pairs(kind: Modality = "mono", shift: tuple[int, int] = (0, 0), *, seed: int = 1) -> Pairs:
@@ -179,6 +189,33 @@ def check_derivative_matches_differences(metric: Metric) -> None:
         )
 
 
+def check_holds_its_invariances(metric: Metric) -> None:
+    """The value stays when moving intensities change in a way that `invariant_to` names."""
+    unknown = sorted(set(metric.invariant_to) - set(CHANGES))
+    require(not unknown, f"`invariant_to` may name {', '.join(CHANGES)}. Got {', '.join(unknown)}.")
+    if not metric.invariant_to:
+        message = "the metric declares no invariance (`invariant_to`)"
+        raise NotApplicable(message)
+    for kind in metric.suits:
+        pairs = example_pairs(KINDS[kind], (0, 2))
+        for name in metric.invariant_to:
+            low, high = (
+                float(CHANGES[name](np.array([end]), pairs.moving_range)[0]) for end in pairs.moving_range
+            )
+            changed = replace(
+                pairs,
+                moving=CHANGES[name](pairs.moving, pairs.moving_range),
+                moving_range=(min(low, high), max(low, high)),
+            )
+            value, other = (metric.value(prepared(metric, each)) for each in (pairs, changed))
+            require_close(
+                np.array(other),
+                np.array(value),
+                within=1e-6 * max(1e-3, abs(value)),
+                fault=f"`invariant_to` names {name!r}, but on a {kind} pair the value changes.",
+            )
+
+
 def check_forces_spare_weightless_samples(metric: Metric) -> None:
     """`forces`, where a metric has them, are one finite vector a sample, and 0 where the weight is 0."""
     if type(metric).forces is Metric.forces:
@@ -236,6 +273,7 @@ CHECKS = (
     check_leaves_its_input_alone,
     check_prefers_alignment,
     check_derivative_matches_differences,
+    check_holds_its_invariances,
     check_forces_spare_weightless_samples,
     check_survives_constant_images,
     check_survives_no_overlap,

@@ -27,6 +27,7 @@ class Bowl:
 
     def __init__(self, dim: int = 4, *, fence: float = np.inf, noise: float = 0.0) -> None:
         self.scales: Params = np.ones(dim)
+        self.weights: Params = np.ones(dim)
         self.curvature = np.linspace(0.5, 2.0, dim)
         self.fence, self.noise = fence, noise
         self.rng = np.random.default_rng(17)
@@ -51,6 +52,24 @@ class Bowl:
     def motion(self, at: Params, step: Params) -> float:
         """Length of a step."""
         return float(np.sqrt((step**2).sum()))
+
+
+class OneByOne(Bowl):
+    """The same bowl, measured row by row from the last to the first, as another machine might share them."""
+
+    def values(self, batch: NDArray[np.float64]) -> Values:
+        """Height at each row; the batch must be rows of finite float64, one number a parameter."""
+        count = len(self.scales)
+        fits = isinstance(batch, np.ndarray) and batch.ndim == 2 and batch.shape[1] == count
+        require(
+            fits and batch.dtype == np.float64,
+            f"`problem.values` takes float64 rows, (b, {count}). Got {getattr(batch, 'dtype', type(batch))} "
+            f"of shape {np.shape(batch)}.",
+        )
+        heights = np.empty(len(batch))
+        for i in reversed(range(len(batch))):
+            heights[i] = super().values(batch[i : i + 1].copy())[0]
+        return heights
 
 
 class Valley(Bowl):
@@ -128,6 +147,16 @@ def check_two_walks_do_not_mix(optimizer: Optimizer) -> None:
     for wanted, *met in zip(alone, *walkers, strict=False):
         same = all(np.array_equal(step.params, wanted.params) for step in met)
         require(same, "Two walks of one optimizer disturb each other. Keep state in local variables.")
+
+
+def check_batch_order_does_not_matter(optimizer: Optimizer) -> None:
+    """Rows of a batch may be measured together, or one at a time in any order."""
+    together, _ = walk(optimizer, Bowl(), START, iterations=50)
+    apart, _ = walk(optimizer, OneByOne(), START, iterations=50)
+    same = len(together) == len(apart) and all(
+        np.array_equal(one.params, two.params) for one, two in zip(together, apart, strict=False)
+    )
+    require(same, "The walk changes when the rows of a batch are measured one by one, the last one first.")
 
 
 def check_never_worse_than_its_start(optimizer: Optimizer) -> None:
@@ -234,10 +263,26 @@ def check_tells_where_it_stands(optimizer: Optimizer) -> None:
         require(np.isfinite(step.value), f"On a bowl a step's value must be finite. Got {step.value!r}.")
 
 
+def check_heeds_weights(optimizer: Optimizer) -> None:
+    """One that says it weighs slopes keeps a coordinate of weight 0, to the last bit."""
+    if not optimizer.weighs:
+        message = "the optimizer does not multiply slopes by weights"
+        raise NotApplicable(message)
+    problem = Bowl()
+    problem.weights[1] = 0.0
+    steps, _ = walk(optimizer, problem, START, iterations=30)
+    moved = [i for i, step in enumerate(steps) if step.params[1] != START[1]]
+    require(
+        not moved, f"A coordinate of weight 0 moves at steps {moved[:3]}. Multiply slopes by problem.weights."
+    )
+    require(bool(steps) and steps[-1].params[0] != START[0], "With one weight of 0 nothing moves at all.")
+
+
 CHECKS = (
     check_tells_where_it_stands,
     check_same_seed_same_steps,
     check_two_walks_do_not_mix,
+    check_batch_order_does_not_matter,
     check_never_worse_than_its_start,
     check_ends_at_the_bottom_of_a_bowl,
     check_walks_a_curved_valley,
@@ -245,6 +290,7 @@ CHECKS = (
     check_accepts_infinite_values,
     check_names_its_stop_reason,
     check_leaves_its_start_alone,
+    check_heeds_weights,
 )
 
 

@@ -51,6 +51,6 @@ class ScaleSkewVersor(Linear):
         rest = matrix - rotation
         return np.concatenate([versor_of(rotation), translation, 1.0 + np.diag(rest), rest[ROWS, COLUMNS]])
 
-    def advance(self, params: Params, step: Params) -> Params:
+    def advance(self, params: Params, step: Params, frame: Frame) -> Params:
         """Rotations compose, all else adds; see `turned`."""
         return turned(params, step)

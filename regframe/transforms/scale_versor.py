@@ -61,6 +61,6 @@ class ScaleVersor(Linear):
         rotation = versor_matrix(best)
         return np.concatenate([versor_of(rotation), translation, 1.0 + np.diag(matrix - rotation)])
 
-    def advance(self, params: Params, step: Params) -> Params:
+    def advance(self, params: Params, step: Params, frame: Frame) -> Params:
         """Rotations compose, all else adds; see `turned`."""
         return turned(params, step)

@@ -59,6 +59,6 @@ class Similarity(Linear):
         rotation, scale = nearest_rotation(matrix)
         return np.array([*versor_of(rotation), *translation, scale])
 
-    def advance(self, params: Params, step: Params) -> Params:
+    def advance(self, params: Params, step: Params, frame: Frame) -> Params:
         """In 3-D the rotation is composed, all else added; see `turned`."""
         return params + step if len(params) == 4 else turned(params, step)

@@ -46,6 +46,6 @@ class Versor(Linear):
         """Nearest rotation in the least-squares sense; the shift is dropped."""
         return versor_of(nearest_rotation(matrix)[0])
 
-    def advance(self, params: Params, step: Params) -> Params:
+    def advance(self, params: Params, step: Params, frame: Frame) -> Params:
         """The sum, clipped to just under half a turn."""
         return clipped(params + step)

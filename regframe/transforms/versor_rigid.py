@@ -43,6 +43,6 @@ class VersorRigid(Linear):
         """Nearest rotation in the least-squares sense."""
         return np.concatenate([versor_of(nearest_rotation(matrix)[0]), translation])
 
-    def advance(self, params: Params, step: Params) -> Params:
+    def advance(self, params: Params, step: Params, frame: Frame) -> Params:
         """Rotations compose, shifts add; see `turned`."""
         return turned(params, step)

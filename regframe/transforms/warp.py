@@ -9,7 +9,7 @@ from regframe.errors import GeometryError
 from regframe.geometry import AffineMap, Frame
 from regframe.transforms.affine import Affine
 from regframe.transforms.base import Transform
-from regframe.types import Params, Points
+from regframe.types import Matrix, Params, Points
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +54,17 @@ class Warp:
         """Compose: ``(self @ first)(x) == self(first(x))``."""
         return Chain((self, *first.warps)) if isinstance(first, Chain) else Chain((self, first))
 
+    def pull(self, points: Points, forces: Points) -> Points:
+        """Forces on mapped points as forces on the points themselves, (n, dim) both."""
+        return self.transform.pull(self.params, points, forces, self.frame)
+
     def as_affine(self) -> AffineMap | None:
         """The map as a matrix and offset, or None where it is not affine."""
         return self.transform.as_affine(self.params, self.frame)
+
+    def as_homogeneous(self) -> Matrix | None:
+        """The map as a homogeneous matrix, or None where it bends straight lines."""
+        return self.transform.as_homogeneous(self.params, self.frame)
 
     def inverse(self) -> "Warp":
         """The map from moving to fixed points, of the same family where that holds inverses.
@@ -64,8 +72,11 @@ class Warp:
         Raises
         ------
         GeometryError
-            The map is singular, or not affine.
+            The map is singular, or of a family without inverses.
         """
+        found = self.transform.inverse(self.params, self.frame)
+        if found is not None:
+            return Warp(*found)
         affine = self.as_affine()
         if affine is None:
             message = f"{type(self.transform).__name__} has no closed inverse. Invert an affine fit of it."
@@ -87,6 +98,15 @@ class Chain:
             points = warp(points)
         return points
 
+    def pull(self, points: Points, forces: Points) -> Points:
+        """Forces on mapped points as forces on the points themselves, (n, dim) both."""
+        met = [points]
+        for warp in reversed(self.warps[1:]):
+            met.append(warp(met[-1]))
+        for warp, place in zip(self.warps, reversed(met), strict=True):
+            forces = warp.pull(place, forces)
+        return forces
+
     def __matmul__(self, first: "Warp | Chain") -> "Chain":
         """Compose: ``(self @ first)(x) == self(first(x))``."""
         return Chain((*self.warps, *(first.warps if isinstance(first, Chain) else (first,))))
@@ -101,6 +121,12 @@ class Chain:
         affines = [warp.as_affine() for warp in self.warps]
         found = [affine for affine in affines if affine is not None]
         return reduce(matmul, found) if len(found) == len(affines) else None
+
+    def as_homogeneous(self) -> Matrix | None:
+        """The whole map as a homogeneous matrix, or None where a member bends straight lines."""
+        members = [warp.as_homogeneous() for warp in self.warps]
+        found = [matrix for matrix in members if matrix is not None]
+        return reduce(matmul, found) if len(found) == len(members) else None
 
     def inverse(self) -> "Chain":
         """The map from moving to fixed points."""

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from regframe.catalog import TRANSFORMS
+from regframe.engine.setting import Setting
 from regframe.geometry import Grid
 from regframe.peer import components, pairs
 from regframe.peer.bench import Bench
@@ -35,7 +36,9 @@ def test_parts_and_pairs_agree(name, grid, dtype):
     frame = peer.frame(fixed)
     params = stage.transform.identity(frame)
     off = np.random.default_rng(6).normal(size=len(params)) / stage.transform.shift(params, frame)
-    bench = Bench(stage, 1, fixed, moving, Warp(stage.transform, params + 0.7 * off, frame))
+    bench = Bench(
+        stage, 1, fixed, moving, Warp(stage.transform, params + 0.7 * off, frame), Setting(fixed.grid)
+    )
 
     lines = [*components.compare(bench, "")[0], *pairs.compare(bench, "")]
 

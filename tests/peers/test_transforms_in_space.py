@@ -39,7 +39,7 @@ def test_too_long_versors_are_clipped_the_same(family, length):
     ours, theirs = Warp(family, params, frame), peer.transform(Warp(family, params, frame))
     points = np.random.default_rng(4).uniform(-50.0, 50.0, (20, 3))
 
-    settled = family.advance(params, np.zeros_like(params))
+    settled = family.advance(params, np.zeros_like(params), frame)
 
     assert np.array_equal(ours(points), [theirs.TransformPoint(point) for point in points.tolist()])
     np.testing.assert_allclose(settled, theirs.GetParameters(), rtol=0, atol=1e-15)

@@ -12,7 +12,8 @@ from regframe.catalog import METRICS
 from regframe.metrics.base import Pairs
 
 SHAPE = (10, 15)  # of the samples, for metrics that want whole grids
-METRICS_BY_NAME = [METRICS.build(name) for name in METRICS.names()]
+OPTIONS = {"sum": {"parts": ["mattes", "ants-correlation"]}}
+METRICS_BY_NAME = [METRICS.build({"type": name, **OPTIONS.get(name, {})}) for name in METRICS.names()]
 
 
 def each(metrics):

@@ -14,6 +14,7 @@ class Bowl:
         self.target = np.array(target, dtype=np.float64)
         self.stretch = np.broadcast_to(stretch, self.target.shape)
         self.fence = fence
+        self.weights = np.ones_like(self.target)
         self.scales = np.ones_like(self.target) if scales is None else np.array(scales, dtype=np.float64)
         self.visited = []
 

@@ -15,6 +15,7 @@ class SitkProblem:
         self.fixed, self.moving = peer.image(fixed), peer.image(moving)
         self.pair = fixed, moving
         self.scales = np.array(scales, dtype=np.float64)
+        self.weights = np.ones_like(self.scales)
         self.visited = []  # positions of values, and of slopes
         self.descended = []
 
@@ -36,7 +37,7 @@ class SitkProblem:
         return value, peer.derivative(self.method, *self.pair, self.at(at), 1e8)
 
     def advance(self, at, step):
-        return self.warp.transform.advance(at, step)
+        return self.warp.transform.advance(at, step, self.warp.frame)
 
     def motion(self, at, step):
         """ITK's: a step whose largest component is 0.01, measured at the corners and scaled."""

@@ -1,4 +1,4 @@
-from regframe.testing.checks import conformance
+from regframe.testing import conformance
 from regframe_cma_es import CmaEs
 
 test_conformance = conformance(CmaEs(), CmaEs(reach=20.0, population=20))

@@ -1,4 +1,4 @@
-from regframe.testing.checks import conformance
+from regframe.testing import conformance
 from regframe_cross_cumulative_residual_entropy import CrossCumulativeResidualEntropy
 
 test_conformance = conformance(

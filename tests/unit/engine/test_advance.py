@@ -54,7 +54,7 @@ def test_rotations_compose_in_any_coordinates(name, scales):
 
     moved = objective.advance(at, step)
 
-    wanted = transform.advance(space.params(at), step / space.unit)
+    wanted = transform.advance(space.params(at), step / space.unit, objective.frame)
     np.testing.assert_allclose(space.params(moved), wanted, rtol=0, atol=1e-14)
 
 

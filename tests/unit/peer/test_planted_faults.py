@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from regframe.engine.setting import Setting
 from regframe.peer import components, pairs
 from regframe.peer.bench import Bench
 from regframe.preset import Stage
@@ -29,7 +30,7 @@ def differing(**changes):
     fixed, moving = peer.pair((30, 36))
     stage = Stage(**{**HONEST, **changes})
     warp = Warp(stage.transform, np.array([1.03, 0.05, 1.3, -0.7]), peer.frame(fixed))
-    bench = Bench(stage, 1, fixed, moving, warp)
+    bench = Bench(stage, 1, fixed, moving, warp, Setting(fixed.grid))
     lines = [*components.compare(bench, "")[0], *pairs.compare(bench, "")]
     assert not any(line.verdict == "not comparable" and line.what != SLOPE for line in lines)
     return {line.what for line in lines if line.verdict == "differs"}

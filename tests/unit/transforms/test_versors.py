@@ -92,4 +92,4 @@ def test_the_inverse_of_added_scales_is_plainly_affine():
 
 
 def test_a_versor_never_outgrows_half_a_turn():
-    assert np.linalg.norm(Versor().advance(TURN, np.array([0.0, 0.0, 5.0]))) < 1.0
+    assert np.linalg.norm(Versor().advance(TURN, np.array([0.0, 0.0, 5.0]), FRAME)) < 1.0
