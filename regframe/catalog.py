@@ -30,6 +30,7 @@ METRICS: "Registry[Metric]" = Registry(
             "regframe.metrics.normalised_gradient_fields:NormalisedGradientFields"
         ),
         "normalised-mi": "regframe.metrics.normalised_mi:NormalisedMi",
+        "oriented-gradients": "regframe.metrics.oriented_gradients:OrientedGradients",
         "sum": "regframe.metrics.sum:Sum",
     },
 )
@@ -40,6 +41,8 @@ TRANSFORMS: "Registry[Transform]" = Registry(
     {
         "affine": "regframe.transforms.affine:Affine",
         "bspline": "regframe.transforms.bspline:BSpline",
+        "projective": "regframe.transforms.projective:Projective",
+        "projective-radial": "regframe.transforms.projective_radial:ProjectiveRadial",
         "rigid": "regframe.transforms.rigid:Rigid",
         "scale": "regframe.transforms.scale:Scale",
         "scale-skew-versor": "regframe.transforms.scale_skew_versor:ScaleSkewVersor",

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from regframe.cli import plugin_files
 from regframe.cli.inputs import Domain, FixedInitial, MovingInitial, Start
+from regframe.cli.plugin_files import Plugins
 
 if TYPE_CHECKING:
     from regframe.engine.base import Result
@@ -60,6 +62,7 @@ def register(
     engine: EngineName = "native",
     threads: Threads = None,
     no_figures: NoFigures = False,
+    plugin: Plugins = None,
     force: Force = False,
     quiet: Quiet = False,
     as_json: AsJson = False,
@@ -72,6 +75,7 @@ def register(
     from regframe.engine.run import register as align_pair
     from regframe.report import files
 
+    plugin_files.use(plugin)
     # Everything that can be refused is refused before the work begins.
     if out is not None:
         files.check(out, force=force)

@@ -7,6 +7,7 @@ array subscripts spare the test for negative ones and are worth 1.5x in the hot 
 """
 
 import os
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -94,6 +95,15 @@ def threads() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+class _Here(threading.local):
+    """Whether this thread is at work on a part already."""
+
+    sharing = False
+
+
+_here = _Here()
+
+
 @cache
 def _pool(size: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(size, thread_name_prefix="regframe")
@@ -111,11 +121,22 @@ def share(function: Callable[..., object], count: int, *arguments: Any) -> None:
     be `BLOCKS` and give every block its own partial sum.
     """
     parts = min(threads(), count)
-    if parts <= 1:
+    if parts <= 1 or _here.sharing:
+        # Work within shared work is not shared again: all threads are busy, and might wait for each other.
         function(0, count, *arguments)
         return
     edges = [count * i // parts for i in range(parts + 1)]
-    waiting = [_pool(parts - 1).submit(function, edges[i], edges[i + 1], *arguments) for i in range(1, parts)]
-    function(edges[0], edges[1], *arguments)
+    waiting = [
+        _pool(parts - 1).submit(_part, function, edges[i], edges[i + 1], *arguments) for i in range(1, parts)
+    ]
+    _part(function, edges[0], edges[1], *arguments)
     for one in waiting:
         one.result()
+
+
+def _part(function: Callable[..., object], first: int, last: int, *arguments: Any) -> None:
+    _here.sharing = True
+    try:
+        function(first, last, *arguments)
+    finally:
+        _here.sharing = False

@@ -1,11 +1,15 @@
 """How unlike two images are."""
 
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from regframe.component import Component
-from regframe.types import Points, Values
+from regframe.types import Points, Values, Volume
+
+Translations = Callable[[Volume, Volume], tuple[Volume, Volume]]
+"""From moving intensities and weights to the value and the shared weight at every whole translation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,5 +92,23 @@ class Metric(Component):
         -------
         (n, dim) float64, physical, x first, or None
             Uphill: a step against the force improves the match. 0 where the weight is 0.
+        """
+        return None
+
+    def translations(self, pairs: Pairs, lattice: tuple[int, ...]) -> Translations | None:
+        """Hook: how to score every whole translation at once, for `start = "search"`; None: one by one.
+
+        The function returned takes the moving image's intensities and weights on a grid of the fixed
+        grid's spacing. It gives two arrays of shape `lattice`: the metric, and the sum of the weights'
+        products, at every translation t, where fixed grid point x meets moving grid point x + t; negative
+        translations stand at the end. The metric may be an approximation in single precision: what is
+        found is measured again by `value`. It is called from several threads.
+
+        Parameters
+        ----------
+        pairs : Pairs
+            A whole fixed grid; `pairs.moving` is not filled in yet.
+        lattice : tuple of int
+            Large enough for both grids side by side as far as translations are of interest.
         """
         return None

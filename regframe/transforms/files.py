@@ -12,8 +12,10 @@ from regframe.io import atomic, refuse_existing
 from regframe.io.decoding import reason
 from regframe.io.muted import muted
 from regframe.io.writing import is_there
+from regframe.transforms import json_files
 from regframe.transforms.affine import Affine
 from regframe.transforms.base import Transform
+from regframe.transforms.fields import displacement_field
 from regframe.transforms.itk import EITHER, KINDS, fixed_parameters
 from regframe.transforms.rigid import Rigid
 from regframe.transforms.similarity import Similarity
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 
 TEXT = (".tfm", ".txt")
 SUFFIXES = (*TEXT, ".h5", ".hdf5")
-READABLE = (*SUFFIXES, ".mat")
+READABLE = (*SUFFIXES, ".mat", ".json")
 
 _OURS: dict[str, Callable[[], Transform]] = {
     "TranslationTransform": Translation,
@@ -51,7 +53,8 @@ def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
     """Write a warp as an ITK transform file, which SimpleITK, ITK and Slicer read.
 
     A family of `itk.KINDS` keeps its parameters and centre; any other affine one becomes an
-    `AffineTransform`, a chain a `CompositeTransform` in the same order.
+    `AffineTransform`, a chain a `CompositeTransform` in the same order. A map that ITK lacks, such as a
+    homography, becomes a `DisplacementFieldTransform` over the fixed image, exact to a hundredth of a pixel.
 
     Parameters
     ----------
@@ -65,8 +68,6 @@ def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
     ------
     OutputError
         Another suffix, the file exists and `force` is off, or it cannot be written.
-    GeometryError
-        A warp that is not affine.
 
     Examples
     --------
@@ -101,12 +102,12 @@ def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
 
 
 def read(path: str | Path, grid: Grid) -> Warp | Chain:
-    """Read an ITK transform file.
+    """Read an ITK transform file, or the ``transform.json`` of a result.
 
     Parameters
     ----------
     path : path
-        ``.tfm``, ``.txt``, ``.h5`` or ``.mat``.
+        ``.tfm``, ``.txt``, ``.h5``, ``.mat`` or ``.json``.
     grid : Grid
         The fixed grid; the centre is the file's, or the grid's for a translation.
 
@@ -123,6 +124,8 @@ def read(path: str | Path, grid: Grid) -> Warp | Chain:
     """
     place = Path(path)
     _check_file(place)
+    if place.name.endswith(".json"):
+        return json_files.read(place, grid)
     whole = _read_itk(place)
     if whole.GetDimension() != grid.dim:
         message = (
@@ -137,23 +140,35 @@ def read(path: str | Path, grid: Grid) -> Warp | Chain:
 def _to_itk(warp: Warp | Chain) -> "sitk.Transform":
     import SimpleITK as sitk
 
+    if any(not _known(part) for part in (warp.warps if isinstance(warp, Chain) else (warp,))):
+        # A field covers the fixed image, so a chain with such a member becomes one as a whole.
+        return _field(warp)
     if isinstance(warp, Chain):
         return sitk.CompositeTransform([_to_itk(part) for part in warp.warps])
-    dim = warp.frame.dim
-    if (type(warp.transform), dim) not in KINDS:
-        affine = warp.as_affine()
-        if affine is None:
-            message = (
-                f"{type(warp.transform).__name__} is not affine, so ITK's file formats have no place for it. "
-                "Write the warped image instead."
-            )
-            raise GeometryError(message)
+    dim, affine = warp.frame.dim, warp.as_affine()
+    if (type(warp.transform), dim) not in KINDS and affine is not None:
         warp = Warp.of_affine(affine, warp.frame)
     kind = KINDS[type(warp.transform), dim]
     theirs: sitk.Transform = getattr(sitk, kind)(*((dim,) if kind in EITHER else ()))
     theirs.SetFixedParameters(fixed_parameters(warp.transform, warp.frame))
     theirs.SetParameters(warp.transform.advance(warp.params, np.zeros_like(warp.params), warp.frame).tolist())
     return theirs
+
+
+def _known(warp: Warp) -> bool:
+    """Whether ITK has a transform of the same parameters, or an affine one for it."""
+    return (type(warp.transform), warp.frame.dim) in KINDS or warp.as_affine() is not None
+
+
+def _field(warp: Warp | Chain) -> "sitk.Transform":
+    import SimpleITK as sitk
+
+    grid, moved = displacement_field(warp)
+    field = sitk.GetImageFromArray(moved.reshape(*grid.shape, grid.dim), isVector=True)
+    field.SetSpacing(grid.spacing)
+    field.SetOrigin(grid.origin)
+    field.SetDirection([value for row in grid.direction for value in row])
+    return sitk.DisplacementFieldTransform(field)
 
 
 def _read_itk(path: Path) -> "sitk.Transform":

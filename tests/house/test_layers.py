@@ -14,6 +14,7 @@ LAYERS = (
     ("component",),
     ("registry",),
     ("catalog",),
+    ("plugins",),
     ("filters", "metrics", "transforms", "interpolators", "optimizers"),
     ("testing", "preset"),
     ("engine",),
