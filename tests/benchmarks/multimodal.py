@@ -193,7 +193,7 @@ def table(cases: list[Case], names: list[str]) -> str:
 def main(arguments: list[str] | None = None) -> None:
     """Compare, and print or write the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenes", type=int, default=12, help="no more than so many")
+    parser.add_argument("--scenes", type=int, default=8, help="no more than so many")
     parser.add_argument("--metrics", nargs="+", choices=METRIC, default=list(METRIC))
     parser.add_argument("--write", action="store_true", help=f"into {PAGE.name}")
     asked = parser.parse_args(arguments)
