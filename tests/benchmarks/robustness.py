@@ -236,6 +236,8 @@ def main(arguments: list[str] | None = None) -> None:
     asked = parser.parse_args(arguments)
     chosen = scenes(asked.scenes)
     results = run(asked.methods, asked.factors, chosen, asked.results)
+    chosen_names = {scene.name for scene in chosen}
+    results = {key: found for key, found in results.items() if key.rpartition(" / ")[2] in chosen_names}
     kind = "real scenes (RoadScene)" if real() else "phantoms"
     text = f"{len(chosen)} {kind}:\n\n{table(results, asked.methods, asked.factors)}\n"
     sys.stdout.write(text)
