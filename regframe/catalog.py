@@ -72,6 +72,7 @@ OPTIMIZERS: "Registry[Optimizer]" = Registry(
     "regframe.optimizers.base:Optimizer",
     {
         "amoeba": "regframe.optimizers.amoeba:Amoeba",
+        "bfgs": "regframe.optimizers.bfgs:Bfgs",
         "conjugate-gradient-line-search": (
             "regframe.optimizers.conjugate_gradient_line_search:ConjugateGradientLineSearch"
         ),

@@ -4,7 +4,7 @@ from collections.abc import Generator, Mapping
 from time import perf_counter
 from typing import Any, final
 
-from regframe.engine.averaging import fitted
+from regframe.engine.averaging import Pyramid, fitted
 from regframe.engine.base import Engine, LevelReport, Progress, Result
 from regframe.engine.candidate import Candidate, Place
 from regframe.engine.followed import followed
@@ -37,7 +37,7 @@ class Native(Engine):
         began = perf_counter()
         check_images(preset, fixed, moving)
         given, fixed, moving = (fixed, moving), *filtered(preset, fixed, moving)
-        run = _Run((fixed, moving), began)
+        run = _Run(Pyramid(fixed, moving), began)
         place = Placement.of(start)
         setting, before = opened(place, fixed), place.start
         first: Warp | Chain | None = None
@@ -46,7 +46,7 @@ class Native(Engine):
             warp = begin(stage, fixed, moving, before, setting)
             first = first or setting.whole(warp)
             rng, seed = stage.optimizer.normals(preset.seed), preset.seed
-            places = searched(stage, fixed, moving, warp, setting)
+            places = searched(stage, run.pyramid, warp, setting)
             for depth in range(len(stage.levels)):
                 level = _Level(stage, setting, (number, depth), seed)
                 places = yield from run.level(level, places, rng)
@@ -56,18 +56,18 @@ class Native(Engine):
         return run.result(setting.whole(warp), preset, facts, given, first)
 
 
-def searched(stage: Stage, fixed: Image, moving: Image, warp: Warp, setting: Setting) -> tuple[Place, ...]:
+def searched(stage: Stage, pyramid: Pyramid, warp: Warp, setting: Setting) -> tuple[Place, ...]:
     """Where a stage's first level begins: one place, or those that a search found."""
     if isinstance(stage.start, Search):
-        return search(stage, fixed, moving, setting)
+        return search(stage, pyramid, setting)
     return (Place(warp, warp),)
 
 
 class _Run:
     """What grows while a preset is run."""
 
-    def __init__(self, images: tuple[Image, Image], began: float) -> None:
-        self.images, self.began = images, began
+    def __init__(self, pyramid: Pyramid, began: float) -> None:
+        self.pyramid, self.began = pyramid, began
         self.trace: list[Progress] = []
         self.reports: list[LevelReport] = []
         self.candidates: tuple[Candidate, ...] = ()
@@ -79,7 +79,7 @@ class _Run:
         walked: list[tuple[Place, LevelReport, list[Progress]]] = []
         for number, place in enumerate(places[: level.kept]):
             trace: list[Progress] = []
-            warp, report = yield from level.walk(self.images, place.found, rng, trace, self.began, number)
+            warp, report = yield from level.walk(self.pyramid, place.found, rng, trace, self.began, number)
             walked.append((place.walked(warp, report.value), report, trace))
         walked.sort(key=lambda one: one[1].value)
         self.reports.append(walked[0][1])
@@ -125,7 +125,7 @@ class _Level:
 
     def walk(
         self,
-        images: tuple[Image, Image],
+        pyramid: Pyramid,
         warp: Warp,
         rng: Normals,
         trace: list[Progress],
@@ -134,8 +134,8 @@ class _Level:
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
-        scene, self.next_seed = self.scene(images, warp)
-        space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
+        scene, self.next_seed = self.scene(pyramid, warp)
+        space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, pyramid.images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
         problem = shown(objective, self.stage, at, space.free)
         steps = self.stage.optimizer.steps(problem, at[problem.free], rng)
@@ -157,11 +157,11 @@ class _Level:
             scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
         )
 
-    def scene(self, images: tuple[Image, Image], warp: Warp) -> tuple[Scene, int]:
+    def scene(self, pyramid: Pyramid, warp: Warp) -> tuple[Scene, int]:
         """The level's scene, and the sampling seed of the next level."""
-        setting = self.setting
+        images, setting = pyramid.images, self.setting
         if self.level.fit is not None:
-            images, setting = fitted(images, setting, setting.onward(warp), self.level.fit)
+            images, setting = fitted(pyramid, setting, setting.onward(warp), self.level.fit)
         return prepare(self.stage, self.level, *images, self.seed, setting)
 
     def progress(

@@ -6,8 +6,9 @@ from typing import ClassVar, Literal, final
 import numpy as np
 from pydantic import Field
 
-from regframe.kernels import fourier, orientation
-from regframe.kernels.orientation import Features, Moments, Settings
+from regframe.kernels import channel_correlation, fourier, orientation
+from regframe.kernels.channel_correlation import Moments
+from regframe.kernels.orientation import Features, Settings
 from regframe.metrics.base import Metric, Pairs, Translations
 from regframe.types import Values, Volume
 
@@ -42,7 +43,7 @@ class OrientedGradients(Metric):
 
     def value(self, pairs: Pairs) -> float:
         """Minus the weighted correlation over all channels about their means."""
-        return _value(orientation.moments(*self._both(pairs)))
+        return _value(channel_correlation.moments(*self._both(pairs)))
 
     def derivative(self, pairs: Pairs) -> Values:
         """Slope of the value by each moving intensity."""
@@ -56,12 +57,12 @@ class OrientedGradients(Metric):
         there `orientation.back` walks to the intensities.
         """
         fixed, moving, weight = self._both(pairs)
-        met = orientation.moments(fixed, moving, weight)
+        met = channel_correlation.moments(fixed, moving, weight)
         value = _value(met)
         if not np.isfinite(value) or not _varies(met):
             return value, np.zeros_like(pairs.moving)
         norm = 1.0 / math.sqrt(met.fixed_power * met.moving_power)
-        forces = orientation.channel_forces(
+        forces = channel_correlation.channel_forces(
             fixed, moving, weight, met, (-norm, met.both * norm / met.moving_power)
         )
         slopes = orientation.back(forces, moving, weight, self._settings(pairs.moving_range))
