@@ -1,10 +1,11 @@
 """Whether a richer map earns its keep over the simpler one it began from, by tiles held out of its fit."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from regframe.engine.choice import FEWEST, Choice
 from regframe.engine.objective import Objective
 from regframe.engine.scene import Scene
 from regframe.errors import NoOverlapError
@@ -17,46 +18,10 @@ from regframe.types import Bins, Mask, Params, Values
 
 TILES = 8
 """Tiles along the longest axis of the fixed image."""
-FEWEST = 8
-"""Tiles that must have been judged; with fewer, nothing is proved and the simpler map stays."""
 COUNTS = 0.5
 """Share of a tile's samples that must count under both maps."""
 
 Fit = Callable[[Image], Warp]
-
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """Whether a stage's map was kept over the simpler one it began from, and why.
-
-    Parameters
-    ----------
-    stage : int
-        Counted from 0.
-    kept : bool
-        Whether the richer map stayed.
-    gain : float
-        How much lower the metric is with the richer map, in the mean of tiles that its fit did not see.
-    error : float
-        Standard error of that mean.
-    better, tiles : int
-        Tiles in which the richer map is better, and all that were judged.
-    """
-
-    stage: int
-    kept: bool
-    gain: float
-    error: float
-    better: int
-    tiles: int
-
-    @property
-    def reason(self) -> str:
-        """The evidence in a line."""
-        if self.tiles < FEWEST:
-            return f"only {self.tiles} tiles of the image can be judged, fewer than {FEWEST}"
-        seen = f"better in {self.better} of {self.tiles} tiles"
-        return f"held-out gain {self.gain:.3g} +- {self.error:.2g}, {seen}"
 
 
 def chosen(stage: int, gains: Values, least: float) -> Choice:
