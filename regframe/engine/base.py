@@ -3,8 +3,9 @@
 from abc import abstractmethod
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from regframe.image import Image
 from regframe.preset import Preset
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Matrix, Params
+
+if TYPE_CHECKING:
+    from regframe.verdict.verdict import Verdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,8 +147,29 @@ class Result:
         to_index, from_index = self.moving.grid.point_to_index, self.fixed.grid.index_to_point
         return unit_depth(to_index.homogeneous() @ straight @ from_index.homogeneous())
 
-    def save(self, folder: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @cached_property
+    def verdict(self) -> "Verdict":
+        """Whether to trust the map: ``good``, ``doubtful``, ``failed`` or ``unjudged``, with its evidence.
+
+        Made when first asked for, which may take as long as the registration did, and kept.
+        """
+        from regframe.verdict.verdict import judge  # a verdict is built on results, not the reverse
+
+        return judge(self)
+
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        force: bool = False,
+        figures: bool = True,
+        verdict: bool = True,
+        keep_failed: bool = False,
+    ) -> Path:
         """Write the aligned image, overlays, plots, transform, result and trace.
+
+        When the verdict is ``failed``, the aligned image and the transform are not written, so that no
+        script picks up a wrong map.
 
         Parameters
         ----------
@@ -154,6 +179,10 @@ class Result:
             Overwrite files of an earlier result.
         figures : bool
             Write the pictures too.
+        verdict : bool
+            Write the verdict too, and heed it.
+        keep_failed : bool
+            Write everything whatever the verdict is.
 
         Raises
         ------
@@ -162,7 +191,9 @@ class Result:
         """
         from regframe.report.files import save  # the report is built on results, not the reverse
 
-        return save(self, Path(folder), force=force, figures=figures)
+        return save(
+            self, Path(folder), force=force, figures=figures, verdict=verdict, keep_failed=keep_failed
+        )
 
     def _repr_html_(self) -> str:
         from regframe.report.html import card

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Any, TypeVar, cast
+from typing import Any, Protocol, TypeVar, cast
 
 import numba
 import numpy as np
@@ -85,6 +85,45 @@ def _columns(_: Any, array: Any, index: Any, stride: Any, shares: Any) -> Any:
 # To numba these are the functions above; to the type checker, what kernels may call.
 prefetch = cast("Callable[[NDArray[np.float64], int], None]", _prefetch)
 columns = cast("Callable[[NDArray[np.float64], int, int, Four], Four]", _columns)
+
+
+class Compiled(Protocol):
+    """A compiled function."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        """What the function does."""
+
+
+def compiled(function: Callable[..., Any]) -> Compiled:
+    """As `kernel`, for functions of others: kept on disk only where their source is a file."""
+    try:
+        return kernel(function)
+    except RuntimeError:
+        # numba finds no place for code that was typed into an interpreter.
+        return cast("Compiled", numba.njit(nogil=True, error_model="numpy")(function))
+
+
+def outputs(function: Compiled, count: int) -> int:
+    """How many numbers a compiled function of `count` float64 returns in a tuple; 0 for a plain number.
+
+    Raises
+    ------
+    TypeError
+        It cannot be compiled, or returns something else.
+    """
+    compiler = cast("Any", function)
+    signature = (numba.float64,) * count
+    try:
+        compiler.compile(signature)
+    except numba.core.errors.NumbaError as error:
+        message = f"{compiler.__name__} cannot be compiled for {count} numbers: {error}"
+        raise TypeError(message) from None
+    given = compiler.overloads[signature].signature.return_type
+    numbers = tuple(given) if isinstance(given, numba.types.BaseTuple) else (given,)
+    if not all(isinstance(one, numba.types.Number | numba.types.Boolean) for one in numbers):
+        message = f"{compiler.__name__} must return a number or a tuple of numbers. Got {given}."
+        raise TypeError(message)
+    return len(numbers) if isinstance(given, numba.types.BaseTuple) else 0
 
 
 def threads() -> int:

@@ -88,8 +88,8 @@ def serve() -> None:
         except EOFError:
             return
         sys.path[:] = path
-        for file in {*files} - {*plugins.files()}:
-            plugins.load(file)
+        for file in files:
+            plugins.load(file)  # each time: it may have been changed since
         dump(_answer(pickled, seed), replies)
         replies.flush()
 
