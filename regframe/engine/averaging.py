@@ -31,9 +31,14 @@ def reduction(fixed: Grid, moving: Grid, magnification: float) -> int:
 
 
 def magnification(warp: Warp | Chain) -> float:
-    """Moving lengths over fixed ones, about; 1 for maps that bend."""
+    """Moving lengths over fixed ones, about; of maps that are not affine in the fixed image's middle."""
     affine = warp.as_affine()
-    return 1.0 if affine is None else float(abs(np.linalg.det(affine.matrix)) ** (1.0 / affine.dim))
+    if affine is not None:
+        return float(abs(np.linalg.det(affine.matrix)) ** (1.0 / affine.dim))
+    grid = warp.frame.grid
+    steps = min(grid.spacing) / 2 * np.eye(grid.dim)
+    slopes = (warp(grid.centre + steps) - warp(grid.centre - steps)) / min(grid.spacing)
+    return float(abs(np.linalg.det(slopes)) ** (1.0 / grid.dim))
 
 
 class Pyramid:

@@ -7,8 +7,10 @@ from typing import Any, final
 from regframe.engine.averaging import Pyramid, fitted
 from regframe.engine.base import Engine, LevelReport, Progress, Result
 from regframe.engine.candidate import Candidate, Place
+from regframe.engine.choice import Choice
 from regframe.engine.followed import followed
 from regframe.engine.freedom import shown
+from regframe.engine.keeping import chosen, held_out_gains
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
@@ -51,7 +53,10 @@ class Native(Engine):
                 level = _Level(stage, setting, (number, depth), seed)
                 places = yield from run.level(level, places, rng)
                 seed = level.next_seed
-            before = warp = places[0].found
+            simpler, warp = warp, places[0].found
+            if not run.earned(_Trial(stage, setting, number, preset.seed), simpler):
+                warp = before if isinstance(before, Warp) else simpler
+            before = warp
         facts = provenance(preset, *given, seconds=perf_counter() - began)
         return run.result(setting.whole(warp), preset, facts, given, first)
 
@@ -71,6 +76,16 @@ class _Run:
         self.trace: list[Progress] = []
         self.reports: list[LevelReport] = []
         self.candidates: tuple[Candidate, ...] = ()
+        self.choices: list[Choice] = []
+        self.last: LevelReport | None = None
+
+    def earned(self, trial: "_Trial", simpler: Warp) -> bool:
+        """Whether the stage's map stays; asked of stages that need evidence."""
+        if trial.stage.evidence is not None:
+            self.choices.append(trial.choice(self.images, simpler))
+        kept = trial.stage.evidence is None or self.choices[-1].kept
+        self.last = self.reports[-1] if kept or self.last is None else self.last
+        return kept
 
     def level(
         self, level: "_Level", places: tuple[Place, ...], rng: Normals
@@ -98,9 +113,9 @@ class _Run:
         first: Warp | Chain | None,
     ) -> Result:
         """What was found."""
-        last = self.reports[-1]
+        last = self.last or self.reports[-1]
         seen = (tuple(self.reports), preset, facts, *given, tuple(self.trace))
-        return Result(warp, last.value, last.stop, *seen, first, self.candidates)
+        return Result(warp, last.value, last.stop, *seen, first, self.candidates, tuple(self.choices))
 
 
 class _Level:
@@ -195,6 +210,40 @@ class _Level:
             seconds=seconds,
             params=tuple(map(float, found.params)),
         )
+
+
+class _Trial:
+    """A stage fitted again on parts of the image, to judge it on the others."""
+
+    def __init__(self, stage: Stage, setting: Setting, number: int, seed: int) -> None:
+        self.stage, self.setting, self.number, self.seed = stage, setting, number, seed
+
+    def choice(self, images: tuple[Image, Image], simpler: Warp) -> Choice:
+        """Whether the stage's map earns its keep over the one that it began from."""
+        fixed, moving = images
+        last = _Level(self.stage, self.setting, (self.number, len(self.stage.levels) - 1), self.seed)
+        scene, _ = last.scene(images, simpler)
+        space, _ = coordinates(last.stage, simpler.params, simpler.frame, scene.grid, moving.grid)
+        whole = Objective(last.stage, scene, simpler.frame, space)
+        gains = held_out_gains(
+            lambda part: self.fitted((part, moving), simpler), fixed, whole, simpler.params
+        )
+        return chosen(self.number, gains, self.stage.evidence or 0.0)
+
+    def fitted(self, images: tuple[Image, Image], warp: Warp) -> Warp:
+        """Where the stage ends with other images."""
+        rng, seed = self.stage.optimizer.normals(self.seed), self.seed
+        for depth in range(len(self.stage.levels)):
+            level = _Level(self.stage, self.setting, (self.number, depth), seed)
+            steps = level.walk(images, warp, rng, [], 0.0, 0)
+            while True:
+                try:
+                    next(steps)
+                except StopIteration as end:
+                    warp, _ = end.value
+                    break
+            seed = level.next_seed
+        return warp
 
 
 def filtered(preset: Preset, fixed: Image, moving: Image) -> tuple[Image, Image]:
