@@ -82,7 +82,7 @@ class _Run:
     def earned(self, trial: "_Trial", simpler: Warp) -> bool:
         """Whether the stage's map stays; asked of stages that need evidence."""
         if trial.stage.evidence is not None:
-            self.choices.append(trial.choice(self.images, simpler))
+            self.choices.append(trial.choice(self.pyramid, simpler))
         kept = trial.stage.evidence is None or self.choices[-1].kept
         self.last = self.reports[-1] if kept or self.last is None else self.last
         return kept
@@ -218,24 +218,24 @@ class _Trial:
     def __init__(self, stage: Stage, setting: Setting, number: int, seed: int) -> None:
         self.stage, self.setting, self.number, self.seed = stage, setting, number, seed
 
-    def choice(self, images: tuple[Image, Image], simpler: Warp) -> Choice:
+    def choice(self, pyramid: Pyramid, simpler: Warp) -> Choice:
         """Whether the stage's map earns its keep over the one that it began from."""
-        fixed, moving = images
+        fixed, moving = pyramid.images
         last = _Level(self.stage, self.setting, (self.number, len(self.stage.levels) - 1), self.seed)
-        scene, _ = last.scene(images, simpler)
+        scene, _ = last.scene(pyramid, simpler)
         space, _ = coordinates(last.stage, simpler.params, simpler.frame, scene.grid, moving.grid)
         whole = Objective(last.stage, scene, simpler.frame, space)
         gains = held_out_gains(
-            lambda part: self.fitted((part, moving), simpler), fixed, whole, simpler.params
+            lambda part: self.fitted(Pyramid(part, moving), simpler), fixed, whole, simpler.params
         )
         return chosen(self.number, gains, self.stage.evidence or 0.0)
 
-    def fitted(self, images: tuple[Image, Image], warp: Warp) -> Warp:
+    def fitted(self, pyramid: Pyramid, warp: Warp) -> Warp:
         """Where the stage ends with other images."""
         rng, seed = self.stage.optimizer.normals(self.seed), self.seed
         for depth in range(len(self.stage.levels)):
             level = _Level(self.stage, self.setting, (self.number, depth), seed)
-            steps = level.walk(images, warp, rng, [], 0.0, 0)
+            steps = level.walk(pyramid, warp, rng, [], 0.0, 0)
             while True:
                 try:
                     next(steps)
