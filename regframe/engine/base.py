@@ -9,7 +9,7 @@ from typing import Any
 from regframe.component import Component
 from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
-from regframe.geometry import AffineMap
+from regframe.geometry import AffineMap, Frame
 from regframe.image import Image
 from regframe.preset import Preset
 from regframe.transforms.warp import Chain, Warp
@@ -51,7 +51,10 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class LevelReport:
-    """How one level went: sizes, metric at its start and end, and why it stopped."""
+    """How one level went: sizes, metric at its start and end, and why it stopped.
+
+    `params` are the searched map's at the end of the level, and `frame` is what they speak of.
+    """
 
     stage: int
     level: int
@@ -64,6 +67,7 @@ class LevelReport:
     stop: str
     seconds: float
     params: tuple[float, ...]
+    frame: Frame
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
 from regframe.engine.scene import Scene, prepare
-from regframe.engine.setting import Placement, Setting, begun, opened
+from regframe.engine.setting import Placement, Setting, begun, opened, taken_up
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
@@ -70,6 +70,7 @@ class _Level:
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
+        warp = taken_up(warp, self.setting, self.level)
         scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed, self.setting)
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
@@ -117,6 +118,7 @@ class _Level:
             stop=stop,
             seconds=seconds,
             params=tuple(map(float, found.params)),
+            frame=found.frame,
         )
 
 

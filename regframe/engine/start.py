@@ -75,6 +75,10 @@ def _continued(stage: Stage, before: Warp | Chain) -> Warp:
     # Equal options, not only the same class: another mesh or order gives the same numbers another meaning.
     if isinstance(before, Warp) and before.transform == stage.transform:
         return Warp(stage.transform, before.params, frame)
+    frame = Frame(frame.grid, frame.centre)
+    if stage.transform.local:
+        points = frame.grid.points(frame.grid.all_indices())
+        return Warp(stage.transform, (before(points) - points).ravel(), frame)
     affine = before.as_affine()
     if affine is None:
         message = (
