@@ -216,6 +216,11 @@ class Grid:
         """Length of each axis, outer pixel edges, x first."""
         return np.asarray(np.array(self.spacing) * np.array(self.shape[::-1]), np.float64)
 
+    @cached_property
+    def radius(self) -> float:
+        """Half the diagonal between outer pixel edges."""
+        return float(np.linalg.norm(self.extent)) / 2
+
     def coarsen(self, factor: int) -> "Grid":
         """The grid with `factor` times the spacing and the same physical centre, at least 1 point an axis."""
         if factor == 1:
@@ -250,11 +255,14 @@ class Frame:
     lattice : Grid, optional
         Where a map's control points or vectors lie, for families that have them, when it is not where they
         lay them over the grid: a file has its own, and levels may refine it.
+    moving : Grid, optional
+        The moving image's grid, for transforms that speak of its lens.
     """
 
     grid: Grid
     centre: Params
     lattice: Grid | None = None
+    moving: Grid | None = None
 
     @property
     def dim(self) -> int:
@@ -262,6 +270,10 @@ class Frame:
         return self.grid.dim
 
     @classmethod
-    def about_centre(cls, grid: Grid) -> Self:
+    def about_centre(cls, grid: Grid, moving: Grid | None = None) -> Self:
         """The frame whose centre is the grid's own."""
-        return cls(grid, grid.centre)
+        return cls(grid, grid.centre, moving=moving)
+
+    def swapped(self) -> "Frame":
+        """The frame of the way back, about the moving grid's centre; the same where that is not known."""
+        return self if self.moving is None else Frame(self.moving, self.moving.centre, moving=self.grid)

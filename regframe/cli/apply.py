@@ -6,7 +6,10 @@ from typing import Annotated
 import typer
 
 TransformFile = Annotated[
-    Path, typer.Argument(metavar="TRANSFORM", help="ITK transform file: .tfm, .txt, .h5.")
+    Path,
+    typer.Argument(
+        metavar="TRANSFORM", help="A result's transform.json, or an ITK transform file: .tfm, .txt, .h5."
+    ),
 ]
 ImageFile = Annotated[Path, typer.Argument(metavar="IMAGE", help="The image to bring over.")]
 Like = Annotated[Path, typer.Option("--like", "-l", help="Image whose grid is wanted: the fixed one.")]

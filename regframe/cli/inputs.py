@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from regframe.transforms.warp import Chain, Warp
 
 Start = Annotated[
-    Path | None, typer.Option(help="Begin at this ITK transform file instead of the preset's start.")
+    Path | None,
+    typer.Option(help="Begin at this transform.json or ITK transform file, not at the preset's start."),
 ]
 MovingInitial = Annotated[
     Path | None,

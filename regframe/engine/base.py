@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from regframe.component import Component
 from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
@@ -108,19 +110,31 @@ class Result:
 
     @property
     def pixel_map(self) -> AffineMap:
-        """From fixed to moving pixel, x first, pixel centres at whole numbers."""
+        """From fixed to moving pixel, x first, pixel centres at whole numbers; of affine warps alone."""
         affine = self.warp.as_affine()
         if affine is None:
             message = (
-                "This warp is not affine, so it has no single pixel matrix. Call `warp(points)` instead."
+                "This warp is not affine. Take `pixel_matrix` for a homography, else call `warp(points)`."
             )
             raise GeometryError(message)
         return self.moving.grid.point_to_index @ affine @ self.fixed.grid.index_to_point
 
     @property
     def pixel_matrix(self) -> Matrix:
-        """From fixed to moving pixel, homogeneous: (3, 3) in 2-D, (4, 4) in 3-D."""
-        return self.pixel_map.homogeneous()
+        """From fixed to moving pixel, homogeneous: (3, 3) in 2-D, (4, 4) in 3-D.
+
+        Of a homography the last component is the depth, by which the others are divided.
+        """
+        if self.warp.as_affine() is not None:
+            return self.pixel_map.homogeneous()
+        straight = self.warp.as_homogeneous()
+        if straight is None:
+            message = (
+                "This warp bends straight lines, so it has no pixel matrix. Call `warp(points)` instead."
+            )
+            raise GeometryError(message)
+        to_index, from_index = self.moving.grid.point_to_index, self.fixed.grid.index_to_point
+        return unit_depth(to_index.homogeneous() @ straight @ from_index.homogeneous())
 
     def save(self, folder: str | Path, *, force: bool = False, figures: bool = True) -> Path:
         """Write the aligned image, overlays, plots, transform, result and trace.
@@ -147,6 +161,12 @@ class Result:
         from regframe.report.html import card
 
         return card(self)
+
+
+def unit_depth(whole: Matrix) -> Matrix:
+    """A homogeneous matrix scaled to depth 1 at the origin, as is customary, its sign kept."""
+    depth = abs(float(whole[-1, -1]))
+    return whole / depth if depth > np.finfo(np.float64).tiny else whole
 
 
 class Engine(Component):

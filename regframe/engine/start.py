@@ -1,5 +1,7 @@
 """Where a stage begins: the frame its parameters speak of, and their first values."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from regframe.engine.moments import mass_centre, turn_between
@@ -39,9 +41,9 @@ def begin(
         Centres of mass of an image without mass.
     """
     setting = setting or Setting(fixed.grid)
-    transform, frame = stage.transform, Frame.about_centre(setting.domain)
+    transform, frame = stage.transform, Frame.about_centre(setting.domain, moving.grid)
     if stage.start == "previous" and before is not None:
-        return _continued(stage, before)
+        return _continued(stage, before, moving)
     if stage.start in ("identity", "compose"):
         return Warp(transform, transform.identity(frame), frame)
     unit, centre = np.eye(fixed.dim), fixed.grid.centre
@@ -58,7 +60,7 @@ def begin(
     if setting.below is not None:
         first, centre = _behind(setting.below, first, centre)
     if stage.start in BY_MASS:
-        frame = Frame(setting.domain, centre)
+        frame = replace(frame, centre=centre)
     return Warp(transform, transform.from_affine(first, frame), frame)
 
 
@@ -69,21 +71,23 @@ def _behind(below: Warp | Chain, first: AffineMap, centre: Params) -> tuple[Affi
     return first @ onto, np.asarray(onto.inverse()(centre[None])[0])
 
 
-def _continued(stage: Stage, before: Warp | Chain) -> Warp:
+def _continued(stage: Stage, before: Warp | Chain, moving: Image) -> Warp:
     """The earlier map as a member of this stage's family, about the same centre."""
-    frame = before.frame
+    frame = replace(before.frame, moving=moving.grid)
     # Equal options, not only the same class: another mesh or order gives the same numbers another meaning.
     if isinstance(before, Warp) and before.transform == stage.transform:
         return Warp(stage.transform, before.params, frame)
-    frame = Frame(frame.grid, frame.centre)
+    frame = replace(frame, lattice=None)
     if stage.transform.local:
         points = frame.grid.points(frame.grid.all_indices())
         return Warp(stage.transform, (before(points) - points).ravel(), frame)
-    affine = before.as_affine()
-    if affine is None:
+    affine, straight = before.as_affine(), before.as_homogeneous()
+    if affine is not None:
+        return Warp(stage.transform, stage.transform.from_affine(affine, frame), frame)
+    if straight is None:
         message = (
             f"{type(stage.transform).__name__} cannot continue a map that bends. Put this stage first, "
             "or begin it with another `start`."
         )
         raise GeometryError(message)
-    return Warp(stage.transform, stage.transform.from_affine(affine, frame), frame)
+    return Warp(stage.transform, stage.transform.from_homogeneous(straight, frame), frame)

@@ -10,11 +10,13 @@ import numpy as np
 from regframe.engine.followed import followed
 from regframe.engine.scales import Coordinates, coordinates
 from regframe.engine.setting import Setting
+from regframe.errors import NoTwin
 from regframe.image import Image
 from regframe.kernels.jit import threads
 from regframe.peer import convert, twins
 from regframe.peer.twins import Terms
 from regframe.preset import Level, Stage
+from regframe.transforms.bspline import BSpline
 from regframe.transforms.warp import Warp
 
 if TYPE_CHECKING:
@@ -93,15 +95,55 @@ def told(part: Part, fixed: Image, moving: Image) -> "Method":
     return method
 
 
-def put(method: "Method", part: Part, warp: Warp) -> "sitk.Transform":
-    """Tell a method all maps; what is given back is the searched one, which it changes in place."""
-    moved, setting = convert.transform(warp), part.setting
+def put(method: "Method", part: Part, warp: Warp, *, adapting: bool = False) -> "sitk.Transform":
+    """Tell a method all maps; what is given back is the searched one, which it changes in place.
+
+    Parameters
+    ----------
+    warp : Warp
+        As a level has taken it up; or, where the method is `adapting`, as it is before the part's levels.
+    """
+    setting = part.setting
+    if adapting and warp.transform.local:
+        # It shrinks the grid of the field that it is given.
+        params, frame = warp.transform.adapted(warp.params, warp.frame, setting.domain, None)
+        warp = Warp(warp.transform, params, frame)
+    moved = convert.transform(warp)
     if setting.below is not None:
         method.SetFixedInitialTransform(convert.transform(setting.below))
     if setting.beyond is not None:
         method.SetMovingInitialTransform(convert.centred(setting.beyond, warp.frame))
-    method.SetInitialTransform(moved, True)
+    factors = _factors(part, warp) if adapting else []
+    if any(factors):
+        method.SetInitialTransformAsBSpline(moved, True, factors)
+    else:
+        method.SetInitialTransform(moved, True)
     return moved
+
+
+def _factors(part: Part, warp: Warp) -> list[int]:
+    """By how much each level divides the cells that a B-spline has before them; 0 leaves them.
+
+    Raises
+    ------
+    NoTwin
+        A later level is to be coarser, or finer by no whole number, than one of another call before it.
+    """
+    levels, family = part.levels, warp.transform
+    if not isinstance(family, BSpline) or all(level.refine is None for level in levels):
+        return []
+    now = 1
+    if warp.frame.lattice is not None:
+        now = max((warp.frame.lattice.shape[-1] - family.order) // family.mesh[0], 1)
+    wanted = [level.refine or 0 for level in levels]
+    if any(factor % now for factor in wanted):
+        message = (
+            f"SimpleITK multiplies the cells that a call begins with, here {now} times the mesh, so it "
+            f"cannot refine by {wanted}. Give all levels equal `iterations` and `sampling`: then they are "
+            "one call."
+        )
+        raise NoTwin(message)
+    return [factor // now for factor in wanted]
 
 
 def tell_optimizer(method: "Method", terms: Terms, iterations: int, seed: int) -> None:

@@ -104,8 +104,9 @@ def _(ours: WindowedSinc) -> str:
     return f"sitk{ours.window.capitalize()}WindowedSinc"
 
 
-for _family in {BSplineTransform, *(family for family, _ in itk.KINDS)}:
+for _family in {family for family, _ in itk.KINDS}:
     twins.transform.register(_family, itk.made)
+twins.transform.register(BSplineTransform, itk.made)
 
 
 @twins.transform.register(DisplacementField)

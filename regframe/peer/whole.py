@@ -108,8 +108,8 @@ def answers(
     for number, stage in enumerate(begun(result.preset.stages, place)):
         setting = setting.entered(stage, before)
         warp = begin(stage, *pair, before, setting)
-        params = [level.params for level in result.levels if level.stage == number][-1]
-        before = Warp(warp.transform, np.array(params), warp.frame)
+        last = [level for level in result.levels if level.stage == number][-1]
+        before = Warp(warp.transform, np.array(last.params), last.frame)
         found.append((before, setting))
     return found
 

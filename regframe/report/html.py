@@ -69,11 +69,16 @@ def describe(result: Result) -> str:
 
     Angles are in degrees here, for people; files keep radians.
     """
-    affine = result.warp.as_affine()
+    affine, bend = result.warp.as_affine(), ""
     if affine is None:
-        return "a curved map"
+        affine, bend = _at_the_centre(result), f", {_bend(result)}"
+    return f"{_plainly(result, affine)}{bend}"
+
+
+def _plainly(result: Result, affine: AffineMap) -> str:
+    """Shift, rotation, scale and shear of an affine map."""
     where = _shift(result, affine)
-    flat = records.named_factors(result)
+    flat = records.factors_about_centre(result, affine)
     if not flat:
         turn, stretches = _turn_and_stretches(affine)
         return f"{where}, rotation {np.rad2deg(turn):.3f} deg, scale {_from_to(stretches)}"
@@ -81,6 +86,27 @@ def describe(result: Result) -> str:
     if abs(flat["scale_x"] - flat["scale_y"]) < 1e-9 and abs(flat["shear_x"]) < 1e-9:
         return f"{words}scale {flat['scale_x']:.5f}"
     return f"{words}scale ({flat['scale_x']:.5f}, {flat['scale_y']:.5f}), shear {flat['shear_x']:.5f}"
+
+
+def _at_the_centre(result: Result) -> AffineMap:
+    """The affine map nearest to a warp at the fixed image's centre, by differences of a pixel."""
+    centre, width = result.fixed.grid.centre, min(result.fixed.grid.spacing)
+    steps = width / 2 * np.eye(len(centre))
+    matrix = (result.warp(centre + steps) - result.warp(centre - steps)).T / width
+    return AffineMap(matrix, result.warp(centre[None])[0] - matrix @ centre)
+
+
+def _bend(result: Result) -> str:
+    """How far a map is from the affine one at its centre, where it leaves that most within both images."""
+    fixed, moving = result.fixed.grid, result.moving.grid
+    axes = np.meshgrid(*(np.linspace(0, n - 1, 9) for n in fixed.shape), indexing="ij")
+    points = fixed.points(np.stack([axis.ravel() for axis in axes], axis=1))
+    there = result.warp(points)
+    met = moving.inside(moving.indices(there))
+    away = np.linalg.norm(there - _at_the_centre(result)(points), axis=1)[met].max(initial=0.0)
+    kind = "bent" if result.warp.as_homogeneous() is None else "in perspective"
+    camera = moving == Grid.of_shape(moving.shape)
+    return f"{kind} by up to {away:.2f} {'px' if camera else 'mm'}"
 
 
 def _shift(result: Result, affine: AffineMap) -> str:

@@ -6,13 +6,14 @@ from collections.abc import Iterator, Mapping
 from math import isfinite
 from typing import Any
 
-from regframe.catalog import TRANSFORMS
-from regframe.engine.base import Result
-from regframe.geometry import AffineMap, Frame, Grid
+from regframe.engine.base import Result, unit_depth
+from regframe.geometry import AffineMap, Frame
 from regframe.preset import dump
 from regframe.transforms.affine import factors
+from regframe.transforms.homography import inverted
+from regframe.transforms.json_files import lattice, record
 from regframe.transforms.linear import translation_about
-from regframe.transforms.warp import Chain, Warp
+from regframe.transforms.warp import Chain
 
 CONVENTION = {
     "direction": (
@@ -26,15 +27,22 @@ CONVENTION = {
     "physical": (
         "origin + direction @ (spacing * pixel), x first; mm for medical images, pixels for camera images."
     ),
-    "matrices": "Homogeneous, row by row: [x', y', 1] = matrix @ [x, y, 1], one axis more in 3-D.",
+    "matrices": (
+        "Homogeneous, row by row: [x', y', 1] = matrix @ [x, y, 1], one axis more in 3-D. Of a homography, "
+        "divide x' and y' by the third component; where that is 0 or less there is no image."
+    ),
     "resampling": (
         "The aligned image takes, at each fixed pixel, the moving image's value at fixed_to_moving_px of it. "
         "In OpenCV: cv2.warpAffine(moving, numpy.array(fixed_to_moving_px)[:2], fixed_size, "
-        "flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP)."
+        "flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP); of a homography cv2.warpPerspective and the whole "
+        "matrix. A map that bends straight lines has no matrix: regframe apply takes this file."
     ),
     "parameters": (
         "ITK's, in ITK's order: y = M (x - centre) + centre + t, physical. Angles are radians, from x "
-        "towards y."
+        "towards y. Of `projective`, which ITK lacks: y = M (x - centre) / (1 + p . (x - centre) / r) + "
+        "centre + t, r half the diagonal of the fixed image. Of `projective-radial`: the same between ideal "
+        "images, each of which is middle + (seen - middle) / (1 + k1 q^2 + k2 q^4), q the distance from the "
+        "image's middle in half diagonals of that image."
     ),
     "factors": (
         "The whole map about the fixed image's centre: M = R(rotation) @ [[1, shear_x], [shear_y, 1]] @ "
@@ -44,16 +52,24 @@ CONVENTION = {
 }
 
 
+MATRICES = (
+    "fixed_to_moving_px",
+    "moving_to_fixed_px",
+    "fixed_to_moving_physical",
+    "moving_to_fixed_physical",
+)
+
+
 def transform_record(result: Result) -> dict[str, Any]:
     """What ``transform.json`` holds: matrices both ways, parameters by name, the convention in words."""
     warp = result.warp
     members = warp.warps if isinstance(warp, Chain) else (warp,)
     return {
         "convention": CONVENTION,
-        **_matrices(result, warp.as_affine()),
-        "warps": [_member(one) for one in members],
-        "fixed": {"name": result.fixed.name, **_lattice(result.fixed.grid)},
-        "moving": {"name": result.moving.name, **_lattice(result.moving.grid)},
+        **_matrices(result),
+        "warps": [record(one) for one in members],
+        "fixed": {"name": result.fixed.name, **lattice(result.fixed.grid)},
+        "moving": {"name": result.moving.name, **lattice(result.moving.grid)},
     }
 
 
@@ -107,42 +123,33 @@ def parameter_names(result: Result, stage: int) -> tuple[str, ...]:
 def named_factors(result: Result) -> dict[str, float]:
     """Translation, rotation, scales and shears of a 2-D map about the fixed image's centre; empty in 3-D."""
     affine = result.warp.as_affine()
-    if affine is None or affine.dim != 2:
+    return {} if affine is None else factors_about_centre(result, affine)
+
+
+def factors_about_centre(result: Result, affine: AffineMap) -> dict[str, float]:
+    """The same of any affine map."""
+    if affine.dim != 2:
         return {}
     return factors(affine.matrix, translation_about(affine, result.fixed.grid.centre))
 
 
-def _matrices(result: Result, affine: AffineMap | None) -> dict[str, Any]:
-    if affine is None:
+def _matrices(result: Result) -> dict[str, Any]:
+    """The map both ways, in pixels and physical; empty where it bends straight lines."""
+    affine, straight = result.warp.as_affine(), result.warp.as_homogeneous()
+    if affine is not None:
+        pixels = result.pixel_map
+        matrices = [pixels, pixels.inverse(), affine, affine.inverse()]
+        found: dict[str, Any] = dict(
+            zip(MATRICES, (one.homogeneous().tolist() for one in matrices), strict=True)
+        )
+        if affine.dim == 2:
+            found["factors"] = named_factors(result)
+        return found
+    if straight is None:
         return {}
-    pixels = result.pixel_map
-    found: dict[str, Any] = {
-        "fixed_to_moving_px": pixels.homogeneous().tolist(),
-        "moving_to_fixed_px": pixels.inverse().homogeneous().tolist(),
-        "fixed_to_moving_physical": affine.homogeneous().tolist(),
-        "moving_to_fixed_physical": affine.inverse().homogeneous().tolist(),
-    }
-    if affine.dim == 2:
-        found["factors"] = named_factors(result)
-    return found
-
-
-def _member(warp: Warp) -> dict[str, Any]:
-    names = warp.transform.names(warp.frame)
-    return {
-        "type": TRANSFORMS.name_of(warp.transform),
-        "centre": list(map(float, warp.frame.centre)),
-        "parameters": dict(zip(names, map(float, warp.params), strict=True)),
-    }
-
-
-def _lattice(grid: Grid) -> dict[str, Any]:
-    return {
-        "size": list(reversed(grid.shape)),
-        "spacing": list(grid.spacing),
-        "origin": list(grid.origin),
-        "direction": [list(row) for row in grid.direction],
-    }
+    whole = result.pixel_matrix
+    both = [whole, inverted(whole), straight, inverted(straight)]
+    return dict(zip(MATRICES, (unit_depth(one).tolist() for one in both), strict=True))
 
 
 def _level(result: Result, index: int) -> dict[str, Any]:

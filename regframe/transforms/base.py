@@ -1,17 +1,19 @@
 """Families of maps from fixed to moving points."""
 
 from abc import abstractmethod
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import numpy as np
 
 from regframe.component import Component
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap, Frame, Grid
-from regframe.types import Params, Points
+from regframe.types import Matrix, Params, Points
 
 DIFFERENCE_STEP = 1e-6
 PULL_STEP = 1e-4  # spacings of the grid
+
+Inverse: TypeAlias = "tuple[Transform, Params, Frame]"
 
 
 class Transform(Component):
@@ -120,6 +122,14 @@ class Transform(Component):
         """Hook: the map as a matrix and offset, physical, or None; opens the fast path."""
         return None
 
+    def as_homogeneous(self, params: Params, frame: Frame) -> Matrix | None:
+        """Hook: the map as a homogeneous (dim + 1, dim + 1) matrix, or None where it bends straight lines.
+
+        Points before the horizon have a positive last component. The default is that of `as_affine`.
+        """
+        affine = self.as_affine(params, frame)
+        return None if affine is None else affine.homogeneous()
+
     def from_affine(self, affine: AffineMap, frame: Frame) -> Params:
         """Hook: parameters whose map is nearest to a given affine one; starts and stages use it.
 
@@ -133,3 +143,31 @@ class Transform(Component):
             "or give it a `from_affine`."
         )
         raise GeometryError(message)
+
+    def from_homogeneous(self, whole: Matrix, frame: Frame) -> Params:
+        """Hook: parameters whose map is nearest to a homography; stages that follow `projective` use it.
+
+        The default takes affine ones alone.
+
+        Raises
+        ------
+        GeometryError
+            The family holds no such map.
+        """
+        if np.any(whole[-1, :-1] != 0.0):
+            message = (
+                f"{type(self).__name__} cannot continue a homography. Put this stage first, or begin it with "
+                "another `start`."
+            )
+            raise GeometryError(message)
+        return self.from_affine(AffineMap.from_homogeneous(whole / whole[-1, -1]), frame)
+
+    def inverse(self, params: Params, frame: Frame) -> "Inverse | None":
+        """Hook: the map from moving to fixed points, a member of some family; None leaves it to `as_affine`.
+
+        Raises
+        ------
+        GeometryError
+            The map has no inverse.
+        """
+        return None

@@ -12,11 +12,13 @@ from regframe.io import atomic, refuse_existing
 from regframe.io.decoding import reason
 from regframe.io.muted import muted
 from regframe.io.writing import is_there
+from regframe.transforms import json_files
 from regframe.transforms.affine import Affine
 from regframe.transforms.base import Transform
 from regframe.transforms.bspline import BSpline
 from regframe.transforms.displacement_field import DisplacementField
-from regframe.transforms.itk import KINDS, made
+from regframe.transforms.fields import displacement_field
+from regframe.transforms.itk import BENDING, KINDS, made
 from regframe.transforms.rigid import Rigid
 from regframe.transforms.similarity import Similarity
 from regframe.transforms.translation import Translation
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 
 TEXT = (".tfm", ".txt")
 SUFFIXES = (*TEXT, ".h5", ".hdf5")
-READABLE = (*SUFFIXES, ".mat")
+READABLE = (*SUFFIXES, ".mat", ".json")
 
 _OURS: dict[str, Callable[[], Transform]] = {
     "TranslationTransform": Translation,
@@ -55,9 +57,10 @@ _BENDING = ("BSplineTransform", "DisplacementFieldTransform")
 def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
     """Write a warp as an ITK transform file, which SimpleITK, ITK and Slicer read.
 
-    A family of `itk.KINDS` keeps its parameters and centre, a B-spline and a displacement field their
-    lattice; any other affine one becomes an `AffineTransform`, a chain a `CompositeTransform` in the same
-    order. Large fields are quicker and smaller as ``.h5``.
+    A family of `itk.KINDS` keeps its parameters and centre, a B-spline or a displacement field its lattice;
+    any other affine one becomes an `AffineTransform`, a chain a `CompositeTransform` in the same order. A
+    map that ITK lacks, such as a homography, becomes a `DisplacementFieldTransform` over the fixed image,
+    exact to a hundredth of a pixel. Large fields are smaller and quicker as ``.h5``.
 
     Parameters
     ----------
@@ -71,8 +74,6 @@ def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
     ------
     OutputError
         Another suffix, the file exists and `force` is off, or it cannot be written.
-    GeometryError
-        Another warp that is not affine.
 
     Examples
     --------
@@ -107,12 +108,12 @@ def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
 
 
 def read(path: str | Path, grid: Grid) -> Warp | Chain:
-    """Read an ITK transform file.
+    """Read an ITK transform file, or the ``transform.json`` of a result.
 
     Parameters
     ----------
     path : path
-        ``.tfm``, ``.txt``, ``.h5`` or ``.mat``.
+        ``.tfm``, ``.txt``, ``.h5``, ``.mat`` or ``.json``.
     grid : Grid
         The fixed grid; the centre is the file's, or the grid's for a translation.
 
@@ -125,10 +126,12 @@ def read(path: str | Path, grid: Grid) -> Warp | Chain:
     ------
     GeometryError
         The file is missing or damaged, of other dimensions than the grid, or holds a transform that is
-        neither affine nor a B-spline of order 2 or 3 nor a displacement field.
+        neither affine nor a B-spline nor a displacement field.
     """
     place = Path(path)
     _check_file(place)
+    if place.name.endswith(".json"):
+        return json_files.read(place, grid)
     whole = _read_itk(place)
     if whole.GetDimension() != grid.dim:
         message = (
@@ -143,23 +146,34 @@ def read(path: str | Path, grid: Grid) -> Warp | Chain:
 def _to_itk(warp: Warp | Chain) -> "sitk.Transform":
     import SimpleITK as sitk
 
+    if any(not _known(part) for part in (warp.warps if isinstance(warp, Chain) else (warp,))):
+        # A field covers the fixed image, so a chain with such a member becomes one as a whole.
+        return _field(warp)
     if isinstance(warp, Chain):
         return sitk.CompositeTransform([_to_itk(part) for part in warp.warps])
-    dim = warp.frame.dim
-    if (type(warp.transform), dim) not in KINDS and not isinstance(
-        warp.transform, BSpline | DisplacementField
-    ):
-        affine = warp.as_affine()
-        if affine is None:
-            message = (
-                f"{type(warp.transform).__name__} is not affine, and ITK's file formats know of maps that bend "
-                "B-splines and displacement fields alone. Write the warped image instead."
-            )
-            raise GeometryError(message)
+    dim, affine = warp.frame.dim, warp.as_affine()
+    if (type(warp.transform), dim) not in KINDS and affine is not None:
         warp = Warp.of_affine(affine, warp.frame)
     theirs = made(warp.transform, warp.frame)
     theirs.SetParameters(warp.transform.advance(warp.params, np.zeros_like(warp.params), warp.frame).tolist())
     return theirs
+
+
+def _known(warp: Warp) -> bool:
+    """Whether ITK has a transform of the same parameters, or an affine one for it."""
+    kind = type(warp.transform)
+    return kind in BENDING or (kind, warp.frame.dim) in KINDS or warp.as_affine() is not None
+
+
+def _field(warp: Warp | Chain) -> "sitk.Transform":
+    import SimpleITK as sitk
+
+    grid, moved = displacement_field(warp)
+    field = sitk.GetImageFromArray(moved.reshape(*grid.shape, grid.dim), isVector=True)
+    field.SetSpacing(grid.spacing)
+    field.SetOrigin(grid.origin)
+    field.SetDirection([value for row in grid.direction for value in row])
+    return sitk.DisplacementFieldTransform(field)
 
 
 def _read_itk(path: Path) -> "sitk.Transform":
@@ -215,7 +229,7 @@ def _from_itk(theirs: "sitk.Transform", grid: Grid, path: str) -> Warp:
         return _bending(theirs, grid)
     if kind not in _OURS and kind not in _MATRIX_AND_CENTRE:
         message = (
-            f"{path}: {kind} is unknown. Convert it to a known one: "
+            f"{path}: {kind} is unknown. Convert it to one of "
             f"{', '.join((*_OURS, *_MATRIX_AND_CENTRE, *_BENDING))}."
         )
         raise GeometryError(message)
@@ -239,7 +253,7 @@ def _bending(theirs: "sitk.Transform", grid: Grid) -> Warp:
         order = theirs.Downcast().GetOrder()
         mesh = tuple(int(n) - order for n in size)
         family = BSpline(mesh=mesh[:1] if len(set(mesh)) == 1 else mesh, order=order)
-    return Warp(family, np.array(theirs.GetParameters()), Frame(grid, grid.centre, lattice))
+    return Warp(family, np.array(theirs.GetParameters()), Frame(grid, grid.centre, lattice=lattice))
 
 
 def _check_file(path: Path) -> None:

@@ -38,6 +38,9 @@ KINDS: dict[tuple[type[Transform], int], str] = {
 }
 """Affine families by dimension, and the class of ITK with the same parameters in the same order."""
 
+BENDING: tuple[type[Transform], ...] = (BSpline, DisplacementField)
+"""Families that bend and are ITK's, too, in all dimensions."""
+
 EITHER = ("AffineTransform", "ScaleTransform", "TranslationTransform")
 """Classes that SimpleITK builds with a dimension; the others have one."""
 
@@ -48,7 +51,7 @@ def made(transform: Transform, frame: Frame) -> "sitk.Transform":
     Parameters
     ----------
     transform : Transform
-        One of `KINDS`, or one that bends: `BSpline` or `DisplacementField`.
+        One of `KINDS` or `BENDING`.
     """
     import SimpleITK as sitk
 

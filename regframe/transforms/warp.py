@@ -9,7 +9,7 @@ from regframe.errors import GeometryError
 from regframe.geometry import AffineMap, Frame
 from regframe.transforms.affine import Affine
 from regframe.transforms.base import Transform
-from regframe.types import Params, Points
+from regframe.types import Matrix, Params, Points
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +62,21 @@ class Warp:
         """The map as a matrix and offset, or None where it is not affine."""
         return self.transform.as_affine(self.params, self.frame)
 
+    def as_homogeneous(self) -> Matrix | None:
+        """The map as a homogeneous matrix, or None where it bends straight lines."""
+        return self.transform.as_homogeneous(self.params, self.frame)
+
     def inverse(self) -> "Warp":
         """The map from moving to fixed points, of the same family where that holds inverses.
 
         Raises
         ------
         GeometryError
-            The map is singular, or not affine.
+            The map is singular, or of a family without inverses.
         """
+        found = self.transform.inverse(self.params, self.frame)
+        if found is not None:
+            return Warp(*found)
         affine = self.as_affine()
         if affine is None:
             message = f"{type(self.transform).__name__} has no closed inverse. Invert an affine fit of it."
@@ -114,6 +121,12 @@ class Chain:
         affines = [warp.as_affine() for warp in self.warps]
         found = [affine for affine in affines if affine is not None]
         return reduce(matmul, found) if len(found) == len(affines) else None
+
+    def as_homogeneous(self) -> Matrix | None:
+        """The whole map as a homogeneous matrix, or None where a member bends straight lines."""
+        members = [warp.as_homogeneous() for warp in self.warps]
+        found = [matrix for matrix in members if matrix is not None]
+        return reduce(matmul, found) if len(found) == len(members) else None
 
     def inverse(self) -> "Chain":
         """The map from moving to fixed points."""

@@ -13,6 +13,8 @@ OPTIONS = {
 # Settings that run other code than the defaults do.
 VARIANTS = [(INTERPOLATORS, {"type": "bspline", "order": order}) for order in (0, 1, 2, 4, 5)] + [
     *((INTERPOLATORS, {"type": "windowed-sinc", "window": w}) for w in ("welch", "lanczos", "blackman")),
+    (TRANSFORMS, {"type": "projective-radial", "fixed_coefficients": 2, "moving_coefficients": 2}),
+    (TRANSFORMS, {"type": "projective-radial", "fixed_coefficients": 1, "moving_coefficients": 0}),
     (TRANSFORMS, {"type": "rigid", "order": "zyx"}),
     (METRICS, {"type": "ants-correlation", "radius": 1}),
     (METRICS, {"type": "joint-histogram-mi", "bins": 40, "variance": 0.0}),

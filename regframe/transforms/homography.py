@@ -1,0 +1,162 @@
+"""Homographies of the plane about a centre: y = M (x - c) / (1 + s . (x - c)) + c + t."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from regframe.errors import GeometryError
+from regframe.geometry import Grid
+from regframe.types import Mask, Matrix, Params, Points
+
+LEAST = 1e-6
+"""Depth, and slope of a lens's law, below which a point counts as on or beyond the horizon."""
+FAR = 1e12
+"""Where points without an image are put, mm: outside of any image, and yet a number."""
+
+
+STEP = 1e-5
+"""Change of a parameter by which motions are measured."""
+
+
+@dataclass(frozen=True, eq=False)
+class Homography:
+    """A homography by what it does at a centre, which it takes to ``centre + translation``.
+
+    Any homography that has the centre before its horizon can be written so, in one way.
+
+    Parameters
+    ----------
+    matrix : (2, 2) float64
+        Its derivative at the centre.
+    translation : (2,) float64
+        Motion of the centre.
+    slant : (2,) float64, per mm
+        Growth of the depth along x and y; 0 for an affine map.
+    centre : (2,) float64
+    """
+
+    matrix: Matrix
+    translation: Params
+    slant: Params
+    centre: Params
+
+    @classmethod
+    def of_homogeneous(cls, whole: Matrix, centre: Params) -> "Homography":
+        """Read a (3, 3) matrix whose points before the horizon have a positive third component.
+
+        Raises
+        ------
+        GeometryError
+            The centre lies on or beyond the horizon.
+        """
+        there, back = np.eye(3), np.eye(3)
+        there[:2, 2], back[:2, 2] = centre, -centre
+        about = back @ whole @ there
+        if not about[2, 2] > LEAST * float(np.abs(whole[2]).max()):
+            message = (
+                f"This homography puts the centre {centre.tolist()} on or beyond its horizon: depth "
+                f"{about[2, 2]:.3g}. Check the perspective of the matrix {np.asarray(whole).tolist()}."
+            )
+            raise GeometryError(message)
+        about = about / about[2, 2]
+        translation, slant = about[:2, 2], about[2, :2]
+        return cls(about[:2, :2] - np.outer(translation, slant), translation, slant, centre)
+
+    def homogeneous(self) -> Matrix:
+        """The (3, 3) matrix, scaled to depth 1 at the centre."""
+        there, back, about = np.eye(3), np.eye(3), np.eye(3)
+        there[:2, 2], back[:2, 2] = self.centre, -self.centre
+        about[:2, :2] = self.matrix + np.outer(self.translation, self.slant)
+        about[:2, 2], about[2, :2] = self.translation, self.slant
+        return np.asarray(there @ about @ back, np.float64)
+
+    def __call__(self, points: Points) -> Points:
+        """Map (n, 2) points; those on or beyond the horizon go to `FAR`."""
+        arms = points - self.centre
+        depth, front = self._depth(arms)
+        moved = (arms @ self.matrix.T) / depth[:, None] + (self.centre + self.translation)
+        moved[~front] = FAR
+        return np.asarray(moved)
+
+    def parameter_gradient(self, points: Points, forces: Points) -> Params:
+        """Sum of ``forces . d map / d (matrix by rows, translation, slant)``, (8,)."""
+        arms, pulls, depth = self._felt(points, forces)
+        torque = (pulls / depth[:, None]).T @ arms
+        along = ((arms @ self.matrix.T) * pulls).sum(axis=1) / depth**2
+        return np.concatenate([torque.ravel(), pulls.sum(axis=0), -(along @ arms)])
+
+    def point_gradient(self, points: Points, forces: Points) -> Points:
+        """The forces pulled back to the points by the map's transposed derivative, (n, 2)."""
+        arms, pulls, depth = self._felt(points, forces)
+        along = ((arms @ self.matrix.T) * pulls).sum(axis=1) / depth**2
+        return np.asarray((pulls @ self.matrix) / depth[:, None] - np.outer(along, self.slant))
+
+    def _depth(self, arms: Points) -> tuple[Params, Mask]:
+        """Depth of each point, 1 in place of those that have no image, and which have one."""
+        depth = 1.0 + arms @ self.slant
+        # A point that an earlier map of a chain put far away must not come back by the vanishing point.
+        front = (depth > LEAST) & (np.abs(arms).max(axis=1) < FAR / 1e3)
+        return np.where(front, depth, 1.0), front
+
+    def _felt(self, points: Points, forces: Points) -> tuple[Points, Points, Params]:
+        arms = points - self.centre
+        depth, front = self._depth(arms)
+        return np.where(front[:, None], arms, 0.0), np.where(front[:, None], forces, 0.0), depth
+
+
+def inverted(whole: Matrix) -> Matrix:
+    """The inverse of a homogeneous matrix, the sign of its depth kept; a singular one raises GeometryError.
+
+    Examples
+    --------
+    >>> inverted(np.diag([2.0, 4.0, 1.0])).diagonal().tolist()
+    [0.5, 0.25, 1.0]
+    """
+    scaled = whole / np.maximum(np.abs(whole).max(axis=1, keepdims=True), np.finfo(np.float64).tiny)
+    if abs(np.linalg.det(scaled)) < 1e-12:
+        message = f"This homography cannot be inverted: its matrix {whole.tolist()} is singular."
+        raise GeometryError(message)
+    return np.asarray(np.linalg.inv(whole), np.float64)
+
+
+def largest_motions(
+    place: Callable[[Params, Points], Points], params: Params, points: Points, moving: Grid | None
+) -> Params:
+    """Largest motion of some points per unit of each parameter, (p,).
+
+    Points without an image do not count; and where the moving image is known, only those that land in it
+    do, if any: a lens or a perspective moves places far outside, which nobody sees, many times as far.
+
+    Parameters
+    ----------
+    place : callable
+        Where points go under given parameters, (n, 2).
+    points : (n, 2) float64
+    moving : Grid or None
+    """
+    here, found = place(params, points), np.zeros_like(params)
+    if moving is not None:
+        seen = moving.inside(moving.indices(here))
+        if seen.any():
+            points, here = points[seen], here[seen]
+    for i in range(len(params)):
+        moved = params.copy()
+        moved[i] += STEP
+        there = place(moved, points)
+        near = (np.abs(here).max(axis=1) < FAR) & (np.abs(there).max(axis=1) < FAR)
+        found[i] = np.sqrt(((there - here)[near] ** 2).sum(axis=1)).max(initial=0.0) / STEP
+    return found
+
+
+def net(grid: Grid, count: int = 9) -> Points:
+    """Some of a grid's points, at most `count` an axis, corners included, (n, 2).
+
+    Examples
+    --------
+    >>> net(Grid.of_shape((480, 640)), count=2).tolist()
+    [[0.0, 0.0], [639.0, 0.0], [0.0, 479.0], [639.0, 479.0]]
+    """
+    lines = (np.unique(np.rint(np.linspace(0.0, n - 1.0, count))) for n in grid.shape)
+    axes = np.meshgrid(*lines, indexing="ij")
+    return grid.points(np.stack([axis.ravel() for axis in axes], axis=1))
