@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from regframe.engine.followed import alone
 from regframe.errors import PresetError
 from regframe.faults import nearest
 from regframe.geometry import Frame
@@ -60,7 +61,7 @@ def listed(what: str, numbers: tuple[float, ...], stage: Stage, frame: Frame, co
     PresetError
         Another number of them.
     """
-    local = stage.transform.local
+    local = alone(stage.transform).local
     wanted = frame.dim if local else count
     if len(numbers) != wanted:
         per = "an axis" if local else "a parameter"

@@ -179,6 +179,9 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
     small = VARIATION / largest if estimated and not curved else 1.0
     kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
     points = level_grid.points(level_grid.all_indices()) if curved else level_grid.corners()
+    local = alone(stage.transform).local
     ends = (params, stage.transform.advance(params, step * small, frame))
     here, there = (stage.transform.map(end, points, frame) for end in ends)
+    if kind == "jacobian" and local:
+        return float(np.sqrt(((there - here) ** 2).sum(axis=1)).mean())
     return _largest(kind, here, there, moving) / small

@@ -72,6 +72,22 @@ def _(ours: MeanSquares, method: "Method") -> None:
     method.SetMetricAsMeanSquares()
 
 
+@twins.summed.register(AntsCorrelation)
+@twins.summed.register(ItkJointHistogramMi)
+@twins.summed.register(MeanSquares)
+def _(ours: AntsCorrelation | ItkJointHistogramMi | MeanSquares) -> bool:
+    return True
+
+
+@twins.summed.register(Correlation)
+def _(ours: Correlation) -> bool:
+    message = (
+        "SimpleITK's slope of the correlation by a displacement field is not the slope of its value. Choose "
+        "another metric, or use the native engine."
+    )
+    raise NoTwin(message)
+
+
 @twins.interpolator.register(BSpline)
 def _(ours: BSpline) -> str:
     return f"sitkBSpline{ours.order}" if ours.order else "sitkNearestNeighbor"
@@ -107,6 +123,11 @@ def _(ours: WindowedSinc) -> str:
 for _family in {family for family, _ in itk.KINDS}:
     twins.transform.register(_family, itk.made)
 twins.transform.register(BSplineTransform, itk.made)
+
+
+@twins.adding.register(DisplacementField)
+def _(ours: DisplacementField) -> DisplacementField:
+    return DisplacementField()
 
 
 @twins.transform.register(DisplacementField)
