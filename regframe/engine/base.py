@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,9 @@ from regframe.image import Image
 from regframe.preset import Preset
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Matrix, Params
+
+MOST_KEPT = 10_000
+"""Parameters of a step that a result keeps: hundreds of steps of a field would fill the memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +52,10 @@ class Progress:
     size: float
     seconds: float
     evaluations: int
+
+    def kept(self) -> "Progress":
+        """The step as a result keeps it: without parameters where they are more than `MOST_KEPT`."""
+        return self if len(self.params) <= MOST_KEPT else replace(self, params=self.params[:0].copy())
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +99,7 @@ class Result:
     fixed, moving : Image
         As they were given, before filters.
     trace : tuple of Progress
-        One entry an iteration.
+        One entry an iteration; of more than `MOST_KEPT` parameters without them.
     start : Warp or Chain, optional
         Where the first stage began.
     """

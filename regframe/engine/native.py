@@ -86,10 +86,10 @@ class _Level:
                 break
             at = problem.whole(step.params)
             place, seconds = (self.number, self.depth, count, limit), perf_counter() - began
-            trace.append(
-                Progress(*place, step.value, objective.settled(at), step.size, seconds, objective.evaluations)
-            )
-            yield trace[-1]
+            here = objective.settled(at)
+            progress = Progress(*place, step.value, here, step.size, seconds, objective.evaluations)
+            trace.append(progress.kept())
+            yield progress
         steps.close()
         found = Warp(warp.transform, objective.settled(at), warp.frame)
         return found, self.report(

@@ -134,13 +134,11 @@ class _Run:
                     count = 0
                     continue
                 level, seconds = place[1] + seen.level, perf_counter() - self.began
-                self.trace.append(
-                    Progress(
-                        place[0], level, count, limit, seen.value, seen.params, seen.size, seconds, count + 2
-                    )
-                )
+                at = (place[0], level, count, limit)
                 count += 1
-                yield self.trace[-1]
+                progress = Progress(*at, seen.value, seen.params, seen.size, seconds, count + 1)
+                self.trace.append(progress.kept())
+                yield progress
         except RuntimeError as error:
             raise translated(error) from None
         finally:

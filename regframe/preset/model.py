@@ -69,8 +69,8 @@ class Level(Record):
         ge=1,
         strict=True,
         description=(
-            "Cells of a B-spline's mesh at this level, as a multiple of the transform's `mesh`; the motion "
-            "found so far is kept. None leaves the mesh as it is."
+            "Cells of a B-spline's mesh at this level, as a multiple of the transform's `mesh`; the new "
+            "control points keep the motion found at them. None leaves the mesh as it is."
         ),
     )
 

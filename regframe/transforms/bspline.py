@@ -24,7 +24,8 @@ class BSpline(Transform):
     coefficients of the motion along x on all control points, x fastest, then along y (, z). Points beyond
     the image do not move. An affine start is taken over exactly within the image. A level's `refine` lays
     the lattice anew, as ITK does from level to level: over the pixels' centres, from the first point of
-    the level's grid on, so that the outermost pixels may not move; the motion found so far is kept.
+    the level's grid on, so that the outermost pixels may not move; the new control points keep the motion
+    that was found at them.
     """
 
     closed: ClassVar[bool] = False

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from regframe.errors import GeometryError
-from regframe.geometry import Grid
+from regframe.geometry import AffineMap, Grid
 from regframe.kernels import spline
 from regframe.kernels.jit import share
 from regframe.types import Indices, Matrix, Params, Points, Values, Volume
@@ -65,7 +65,9 @@ def refined(fixed: Grid, level: Grid, how: tuple[tuple[int, ...], int, int]) -> 
     mesh, order, factor = how
     cells = np.array(_every(mesh, fixed.dim)) * factor
     spacing = np.array(fixed.spacing) * (np.array(fixed.shape[::-1]) - 1) / cells
-    first = np.array(level.origin) - np.array(level.direction) @ (spacing * 0.5 * (order - 1))
+    # ITK's order of sums: the outermost samples lie on the end of the splines, and the last bit decides.
+    inward = AffineMap(np.array(level.direction), np.array(level.origin))
+    first = inward((-0.5 * spacing * (order - 1))[None])[0]
     shape = tuple(int(n) + order for n in cells[::-1])
     return Grid(shape, tuple(map(float, spacing)), tuple(map(float, first)), level.direction)
 
