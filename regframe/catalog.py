@@ -30,6 +30,7 @@ METRICS: "Registry[Metric]" = Registry(
             "regframe.metrics.normalised_gradient_fields:NormalisedGradientFields"
         ),
         "normalised-mi": "regframe.metrics.normalised_mi:NormalisedMi",
+        "oriented-gradients": "regframe.metrics.oriented_gradients:OrientedGradients",
         "sum": "regframe.metrics.sum:Sum",
     },
 )

@@ -1,6 +1,7 @@
 """Names to component classes, imported when first asked for."""
 
 import json
+import re
 import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
@@ -15,6 +16,9 @@ from regframe.errors import PresetError
 from regframe.faults import fault, lines, nearest, raised, told
 
 C = TypeVar("C", bound=Component)
+
+FILE_MODULE = "regframe_file_"
+"""How the names of modules begin that were made from a file which the user named; see `regframe.plugins`."""
 
 REFERENCE = "x-regframe-kind"
 """Key that stands for a reference to "any component of this kind" in unfinished schemas."""
@@ -71,12 +75,23 @@ class Registry(Generic[C]):
         """Take back a name given by `register`."""
         self._added.pop(name, None)
 
+    def added(self) -> list[str]:
+        """Names given by `register` in this process, sorted."""
+        return sorted(self._added)
+
+    @property
+    def base(self) -> type[C]:
+        """The class that every member derives from."""
+        module, _, attribute = self._base.partition(":")
+        found: type[C] = getattr(import_module(module), attribute)
+        return found
+
     def names(self) -> list[str]:
         """Every known name, sorted; imports nothing."""
         return sorted({*self._builtin, *self._added, *(point.name for point in self._plugins())})
 
     def origin(self, name: str) -> str:
-        """Where a name comes from: ``regframe``, distributions, or ``this session``.
+        """Where a name comes from: ``regframe``, distributions, a file, or ``this session``.
 
         Raises
         ------
@@ -86,7 +101,7 @@ class Registry(Generic[C]):
         if name in self._builtin:
             return "regframe"
         if name in self._added:
-            return "this session"
+            return _home(self._added[name])
         claims = self._claims(name)
         if not claims:
             raise PresetError(self._unknown(name))
@@ -270,15 +285,20 @@ class Registry(Generic[C]):
 
     def _unknown(self, name: str) -> str:
         known = self.names()
+        if re.search(r"\.py\b|[/\\:]", name):
+            return (
+                f"{name!r} names code, and a preset cannot run any: it may come from a stranger. "
+                f"Write the name of {self._a}; if its file is yours, load it with --plugin FILE, or in your "
+                "configuration."
+            )
         return f"no {self.kind} is called {name!r}.{nearest(name, known)} Known: {', '.join(known)}."
 
     def _check(self, name: str, cls: Any) -> None:
-        module, _, attribute = self._base.partition(":")
-        base = getattr(import_module(module), attribute)
-        if not (isinstance(cls, type) and issubclass(cls, Component) and issubclass(cls, base)):
+        if not (isinstance(cls, type) and issubclass(cls, Component) and issubclass(cls, self.base)):
+            base = self.base.__name__
             message = (
-                f"{name!r} cannot be {self._a}: {cls!r} does not derive from {attribute}. "
-                f"Write class {getattr(cls, '__name__', 'Mine')}({attribute})."
+                f"{name!r} cannot be {self._a}: {cls!r} does not derive from {base}. "
+                f"Write class {getattr(cls, '__name__', 'Mine')}({base})."
             )
             raise PresetError(message)
         if "type" in cls.model_fields:
@@ -310,6 +330,12 @@ def _made(cls: type[C], options: dict[str, Any]) -> C:
 def _same(cls: type[C], other: type[C] | None) -> bool:
     """Whether two classes are one definition, run twice."""
     return other is not None and (cls.__module__, cls.__qualname__) == (other.__module__, other.__qualname__)
+
+
+def _home(cls: type[Component]) -> str:
+    """The file of a class from a file that the user named; any other belongs to the session."""
+    file = getattr(sys.modules.get(cls.__module__), "__file__", None)
+    return str(file) if file and cls.__module__.startswith(FILE_MODULE) else "this session"
 
 
 def _source(point: EntryPoint) -> str:

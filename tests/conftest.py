@@ -21,6 +21,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.realdata)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def configuration(tmp_path_factory) -> Path:
+    """An empty configuration, so that nobody's own plugins take part in the tests."""
+    file = tmp_path_factory.mktemp("configuration") / "config.toml"
+    file.touch()
+    os.environ["REGFRAME_CONFIG"] = str(file)
+    return file
+
+
 @pytest.fixture(scope="session")
 def data() -> Path:
     """The folder of real images; without it the test is skipped."""

@@ -5,6 +5,9 @@ from typing import Annotated
 
 import typer
 
+from regframe.cli import plugin_files
+from regframe.cli.plugin_files import Plugins
+
 TransformFile = Annotated[
     Path,
     typer.Argument(
@@ -28,6 +31,7 @@ def apply(
     out: Out,
     interpolator: InterpolatorName = "bspline",
     fill: Fill = 0.0,
+    plugin: Plugins = None,
     force: Force = False,
 ) -> None:
     """Resample IMAGE on the grid of another one through TRANSFORM, at its own depth and colour."""
@@ -37,6 +41,7 @@ def apply(
     from regframe.errors import GeometryError
     from regframe.io import refuse_existing, write
 
+    plugin_files.use(plugin)
     refuse_existing(out, force)
     way = INTERPOLATORS.build(interpolator)
     for path, role in ((transform, "transform"), (image, "image"), (like, "image given by --like")):

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from regframe.cli import plugin_files
+from regframe.cli.plugin_files import Plugins
+
 if TYPE_CHECKING:
     from regframe.component import Component
     from regframe.registry import AnyRegistry
@@ -28,12 +31,15 @@ WIDTH = 16
 """Columns of the outcome, in front of the claim."""
 
 
-def check(kind: Kind, name: Name, settings: Settings = None, as_json: AsJson = False) -> None:
+def check(
+    kind: Kind, name: Name, settings: Settings = None, plugin: Plugins = None, as_json: AsJson = False
+) -> None:
     """Run the conformance suite on a component and tell a verdict a claim; exit with 1 if one fails."""
     from regframe.catalog import of_kind
     from regframe.preset import setting
     from regframe.testing.checks import verify
 
+    plugin_files.use(plugin)
     registry = of_kind(kind)
     component = registry.build({"type": name, **dict(map(setting, settings or []))})
     verdicts = verify(component)

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from regframe.cli import plugin_files
 from regframe.cli.inputs import Domain, FixedInitial, MovingInitial, Start
+from regframe.cli.plugin_files import Plugins
 
 if TYPE_CHECKING:
     from regframe.peer.report import Report
@@ -56,6 +58,7 @@ def crosscheck(
     domain: Domain = None,
     fixed_mask: FixedMask = None,
     moving_mask: MovingMask = None,
+    plugin: Plugins = None,
     force: Force = False,
     quiet: Quiet = False,
     as_json: AsJson = False,
@@ -67,6 +70,7 @@ def crosscheck(
     from regframe.peer.crosscheck import crosscheck as check_pair
     from regframe.peer.page import check
 
+    plugin_files.use(plugin)
     if out is not None:
         check(out, force=force)
     resolved = resolve(preset, settings or [], seed, "simpleitk")

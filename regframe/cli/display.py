@@ -78,6 +78,11 @@ class Display:
             self._due = now + 1 / REFRESHES_A_SECOND
             self._live.update(self._picture(progress), refresh=True)
 
+    def note(self, text: str) -> None:
+        """Say on a terminal what is done after the last iteration."""
+        if self._live is not None:
+            self._live.update(text, refresh=True)
+
     def _finish_level(self) -> None:
         last = self._last
         if last is None or self._manner == "none":

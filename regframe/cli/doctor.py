@@ -5,19 +5,22 @@ from pathlib import Path
 
 import typer
 
+from regframe.cli import plugin_files
+from regframe.cli.plugin_files import Plugins
+
 PACKAGES = ("numpy", "numba", "scipy", "SimpleITK", "pydantic", "matplotlib", "rich", "typer")
 EXTRAS = (("opencv", "cv2", "features"),)
 """What it is, the module to look for, and the extra that brings it."""
 
 
-def doctor() -> None:
+def doctor(plugin: Plugins = None) -> None:
     """Tell versions, threads, the kernel cache, extras and plugins; a report of a fault needs them."""
     for title, facts in (
         ("versions", _versions()),
         ("threads", _threads()),
         ("kernel cache", _cache()),
         ("extras", _extras()),
-        ("plugins", _plugins()),
+        ("plugins", _plugins(plugin)),
     ):
         typer.secho(title, bold=True)
         width = max(len(name) for name, _ in facts)
@@ -73,11 +76,19 @@ def _extras() -> list[tuple[str, str]]:
     ]
 
 
-def _plugins() -> list[tuple[str, str]]:
+def _plugins(named: list[Path] | None) -> list[tuple[str, str]]:
     from regframe import preset
     from regframe.catalog import KINDS
 
-    facts = []
+    settings, loaded = plugin_files.load(named)
+    state = (
+        f"{len(settings.files)} plugin files"
+        if settings.path.is_file()
+        else "not there; it may list plugin files"
+    )
+    facts = [("configuration", f"{settings.path}: {state}")]
+    facts += [("configuration", f"FAULT: {text}") for text in settings.faults]
+    facts += [(each.path.name, f"FAULT: {text}") for each in loaded for text in each.faults]
     for registry in KINDS.values():
         faults = registry.faults()
         facts += [(name, f"FAULT: {text}") for name, text in faults.items()]
@@ -93,4 +104,6 @@ def _plugins() -> list[tuple[str, str]]:
         for name in preset.names()
         if preset.origin(name) != "regframe" and name not in unfound
     ]
-    return facts or [("none", "components of other packages would be listed here")]
+    if len(facts) == 1:
+        facts.append(("none", "components of other packages and of your own files would be listed here"))
+    return facts

@@ -5,6 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from regframe.cli import plugin_files
+from regframe.cli.plugin_files import Plugins
+
 if TYPE_CHECKING:
     from regframe.component import Component
 
@@ -20,13 +23,14 @@ EXAMPLES = {
 LIMITS = {"minimum": ">= {}", "exclusiveMinimum": "> {}", "maximum": "<= {}", "exclusiveMaximum": "< {}"}
 
 
-def explain(name: Name) -> None:
+def explain(name: Name, plugin: Plugins = None) -> None:
     """Tell what a component or preset does, its options, defaults and ranges, and how to write it."""
     from regframe.catalog import KINDS
     from regframe.errors import PresetError
     from regframe.faults import nearest
     from regframe.preset import names
 
+    plugin_files.use(plugin)
     kinds = [kind for kind, registry in KINDS.items() if name in registry.names()]
     for number, kind in enumerate(kinds):
         if number:

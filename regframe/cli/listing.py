@@ -5,6 +5,9 @@ from typing import Annotated
 
 import typer
 
+from regframe.cli import plugin_files
+from regframe.cli.plugin_files import Plugins
+
 PLURALS = ("metrics", "transforms", "interpolators", "optimizers", "filters", "presets")
 
 KindName = Annotated[
@@ -12,12 +15,13 @@ KindName = Annotated[
 ]
 
 
-def show(kind: KindName = None) -> None:
+def show(kind: KindName = None, plugin: Plugins = None) -> None:
     """List metrics, transforms, interpolators, optimizers, filters and presets, plugins included."""
     from regframe.cli.tables import table
     from regframe.errors import PresetError
     from regframe.faults import nearest
 
+    plugin_files.use(plugin)
     if kind is not None and kind not in PLURALS:
         message = f"nothing is listed under {kind!r}.{nearest(kind, PLURALS)} Known: {', '.join(PLURALS)}."
         raise PresetError(message)

@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from regframe.cli import plugin_files
+
 Kind = Annotated[
     str, typer.Argument(metavar="KIND", help="metric, transform, interpolator, optimizer or filter.")
 ]
@@ -17,6 +19,7 @@ def new(kind: Kind, name: Name, out: Out = None, force: Force = False) -> None:
     """Make a distribution with one component that works: source, preset, tests, pyproject, README."""
     from regframe.cli.scaffold import plugin, write
 
+    plugin_files.use(None)  # so that names in the user's configuration count as taken
     files = plugin(kind, name)
     folder = out or Path(name)
     write(files, folder, force=force)

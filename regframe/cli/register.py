@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from regframe.cli import plugin_files
 from regframe.cli.inputs import Domain, FixedInitial, MovingInitial, Start
+from regframe.cli.plugin_files import Plugins
 
 if TYPE_CHECKING:
-    from regframe.engine.base import Result
     from regframe.preset import Preset
 
 Fixed = Annotated[
@@ -39,6 +40,15 @@ MovingMask = Annotated[Path | None, typer.Option(help="Image that is not 0 where
 EngineName = Annotated[str, typer.Option(help="Who runs the preset: native, or simpleitk.")]
 Threads = Annotated[int | None, typer.Option(min=1, help="Threads to use; the result does not depend on it.")]
 NoFigures = Annotated[bool, typer.Option("--no-figures", help="Write no overlays and plots.")]
+NoVerdict = Annotated[
+    bool, typer.Option("--no-verdict", help="Do not judge the result; saves up to half of the time.")
+]
+KeepFailed = Annotated[
+    bool,
+    typer.Option(
+        "--keep-failed", help="Write image and transform of a failed registration too, and end with code 0."
+    ),
+]
 Force = Annotated[bool, typer.Option("--force", "-f", help="Replace an earlier result in the folder.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only the outcome.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the outcome as JSON, and nothing else.")]
@@ -60,29 +70,47 @@ def register(
     engine: EngineName = "native",
     threads: Threads = None,
     no_figures: NoFigures = False,
+    no_verdict: NoVerdict = False,
+    keep_failed: KeepFailed = False,
+    plugin: Plugins = None,
     force: Force = False,
     quiet: Quiet = False,
     as_json: AsJson = False,
 ) -> None:
-    """Align MOVING to FIXED and write the aligned image, the transform and pictures."""
-    if threads is not None:
-        os.environ["REGFRAME_THREADS"] = str(threads)
+    """Align MOVING to FIXED, judge the result, write the aligned image, the transform and pictures.
+
+    The code is 1 when the verdict is "failed"; image and transform are withheld then, unless --keep-failed.
+    """
+    _use(threads, plugin)
+    # Everything that can be refused is refused before the work begins.
+    _check(out, force)
     from regframe.cli import inputs
     from regframe.cli.display import Display, manner
+    from regframe.cli.outcome import Outcome
     from regframe.engine.run import register as align_pair
-    from regframe.report import files
 
-    # Everything that can be refused is refused before the work begins.
-    if out is not None:
-        files.check(out, force=force)
     resolved = resolve(preset, settings or [], seed, engine)
     known = inputs.Files(start, moving_initial, fixed_initial, domain)
     below, above, place = inputs.everything(fixed, moving, (fixed_mask, moving_mask), known)
     with Display(resolved, manner(quiet or as_json)) as display:
         result = align_pair(resolved, below, above, engine=engine, observers=(display,), start=place)
+        display.note("judging the result ...")
+        outcome = Outcome.of(result, out, verdict=not no_verdict, keep_failed=keep_failed)
+    outcome.save(force=force, figures=not no_figures)
+    raise typer.Exit(outcome.tell("json" if as_json else "line" if quiet else "full"))
+
+
+def _use(threads: int | None, plugin: Plugins) -> None:
+    if threads is not None:
+        os.environ["REGFRAME_THREADS"] = str(threads)
+    plugin_files.use(plugin)
+
+
+def _check(out: Path | None, force: bool) -> None:
+    from regframe.report import files
+
     if out is not None:
-        files.save(result, out, force=force, figures=not no_figures)
-    tell(result, out, quiet=quiet, as_json=as_json)
+        files.check(out, force=force)
 
 
 def resolve(name: str, settings: list[str], seed: int | None, engine: str) -> "Preset":
@@ -99,33 +127,3 @@ def resolve(name: str, settings: list[str], seed: int | None, engine: str) -> "P
     if seed is not None:
         changes["seed"] = seed
     return load(name, changes)
-
-
-def tell(result: "Result", out: Path | None, *, quiet: bool, as_json: bool) -> None:
-    """Print the outcome: a table of facts, one line when quiet, or JSON."""
-    from regframe.report import html, records
-
-    if as_json:
-        record = {**records.result_record(result), "transform": records.transform_record(result)}
-        typer.echo(records.to_json(record))
-        return
-    facts = dict(html.facts(result))
-    if quiet:
-        place = "" if out is None else f"; wrote {out}"
-        typer.echo(f"{facts['map']}; value {result.value:.6g}; {facts['effort']}{place}")
-        return
-    for name, text in facts.items():
-        _line(name, text)
-    if out is None:
-        typer.echo("Nothing was written. Add --out FOLDER for the aligned image, the transform and pictures.")
-        return
-    from regframe.report.files import earlier
-
-    names = earlier(out)
-    _line("wrote", f"{len(names)} files in {out}")
-    if "overlay-red-cyan.png" in names:
-        typer.echo(f"Look at {out / 'overlay-red-cyan.png'} next to {out / 'overlay-before.png'}.")
-
-
-def _line(name: str, text: str) -> None:
-    typer.echo(typer.style(f"{name:11}", bold=True) + text)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import typer
 
 if TYPE_CHECKING:
-    from regframe.preset import Preset
+    from regframe.preset import Preset, Stage
 
 FLAT, DEEP = (64, 80), (16, 32, 40)
 ITERATIONS = 3
@@ -24,7 +24,7 @@ def warmup() -> None:
     for name in shipped():
         preset = load(name)
         jobs = [("2-D", flat)]
-        if all(3 in stage.transform.dimensions and isinstance(stage.scales, str) for stage in preset.stages):
+        if all(_takes_volumes(stage) for stage in preset.stages):
             jobs.append(("3-D", deep))
         for axes, pair in jobs:
             start = perf_counter()
@@ -50,3 +50,10 @@ def _short(preset: "Preset") -> "Preset":
             for key, value in (("iterations", ITERATIONS), ("shrink", 1))
         },
     )
+
+
+def _takes_volumes(stage: "Stage") -> bool:
+    from regframe.preset import Search
+
+    searches = isinstance(stage.start, Search)
+    return 3 in stage.transform.dimensions and isinstance(stage.scales, str) and not searches

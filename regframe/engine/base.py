@@ -3,12 +3,14 @@
 from abc import abstractmethod
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from regframe.component import Component
+from regframe.engine.candidate import Candidate
 from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap, Frame
@@ -16,6 +18,9 @@ from regframe.image import Image
 from regframe.preset import Preset
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Matrix, Params
+
+if TYPE_CHECKING:
+    from regframe.verdict.verdict import Verdict
 
 MOST_KEPT = 10_000
 """Parameters of a step that a result keeps: hundreds of steps of a field would fill the memory."""
@@ -41,6 +46,8 @@ class Progress:
         Since the run began.
     evaluations : int
         Metric values computed so far in this level.
+    candidate : int
+        Which of a search's places is walked from, 0 for the best so far.
     """
 
     stage: int
@@ -52,6 +59,7 @@ class Progress:
     size: float
     seconds: float
     evaluations: int
+    candidate: int = 0
 
     def kept(self) -> "Progress":
         """The step as a result keeps it: without parameters where they are more than `MOST_KEPT`."""
@@ -102,6 +110,8 @@ class Result:
         One entry an iteration; of more than `MOST_KEPT` parameters without them.
     start : Warp or Chain, optional
         Where the first stage began.
+    candidates : tuple of Candidate
+        What a search found, the one that went on first; then those that came furthest, the best first.
     """
 
     warp: Warp | Chain
@@ -114,6 +124,7 @@ class Result:
     moving: Image
     trace: tuple[Progress, ...] = field(repr=False, default=())
     start: Warp | Chain | None = field(repr=False, default=None)
+    candidates: tuple[Candidate, ...] = field(repr=False, default=())
 
     @property
     def pixel_map(self) -> AffineMap:
@@ -143,8 +154,29 @@ class Result:
         to_index, from_index = self.moving.grid.point_to_index, self.fixed.grid.index_to_point
         return unit_depth(to_index.homogeneous() @ straight @ from_index.homogeneous())
 
-    def save(self, folder: str | Path, *, force: bool = False, figures: bool = True) -> Path:
+    @cached_property
+    def verdict(self) -> "Verdict":
+        """Whether to trust the map: ``good``, ``doubtful``, ``failed`` or ``unjudged``, with its evidence.
+
+        Made when first asked for, which may take as long as the registration did, and kept.
+        """
+        from regframe.verdict.verdict import judge  # a verdict is built on results, not the reverse
+
+        return judge(self)
+
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        force: bool = False,
+        figures: bool = True,
+        verdict: bool = True,
+        keep_failed: bool = False,
+    ) -> Path:
         """Write the aligned image, overlays, plots, transform, result and trace.
+
+        When the verdict is ``failed``, the aligned image and the transform are not written, so that no
+        script picks up a wrong map.
 
         Parameters
         ----------
@@ -154,6 +186,10 @@ class Result:
             Overwrite files of an earlier result.
         figures : bool
             Write the pictures too.
+        verdict : bool
+            Write the verdict too, and heed it.
+        keep_failed : bool
+            Write everything whatever the verdict is.
 
         Raises
         ------
@@ -162,7 +198,9 @@ class Result:
         """
         from regframe.report.files import save  # the report is built on results, not the reverse
 
-        return save(self, Path(folder), force=force, figures=figures)
+        return save(
+            self, Path(folder), force=force, figures=figures, verdict=verdict, keep_failed=keep_failed
+        )
 
     def _repr_html_(self) -> str:
         from regframe.report.html import card

@@ -1,23 +1,27 @@
 """Our own engine: stages, levels, and the loop around the optimizer."""
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from time import perf_counter
-from typing import final
+from typing import Any, final
 
+from regframe.engine.averaging import fitted
 from regframe.engine.base import Engine, LevelReport, Progress, Result
+from regframe.engine.candidate import Candidate, Place
 from regframe.engine.followed import followed
 from regframe.engine.freedom import shown
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
 from regframe.engine.scene import Scene, prepare
+from regframe.engine.search import search
 from regframe.engine.setting import Placement, Setting, begun, opened, taken_up
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
-from regframe.optimizers.base import Normals
-from regframe.preset import Preset, Stage
+from regframe.optimizers.base import Normals, Step
+from regframe.preset import Preset, Search, Stage
 from regframe.transforms.warp import Chain, Warp
+from regframe.types import Params
 
 SMALLEST = 4  # pixels an axis
 
@@ -33,8 +37,7 @@ class Native(Engine):
         began = perf_counter()
         check_images(preset, fixed, moving)
         given, fixed, moving = (fixed, moving), *filtered(preset, fixed, moving)
-        trace: list[Progress] = []
-        reports: list[LevelReport] = []
+        run = _Run((fixed, moving), began)
         place = Placement.of(start)
         setting, before = opened(place, fixed), place.start
         first: Warp | Chain | None = None
@@ -43,17 +46,61 @@ class Native(Engine):
             warp = begin(stage, fixed, moving, before, setting)
             first = first or setting.whole(warp)
             rng, seed = stage.optimizer.normals(preset.seed), preset.seed
+            places = searched(stage, fixed, moving, warp, setting)
             for depth in range(len(stage.levels)):
-                run = _Level(stage, setting, (number, depth), seed)
-                warp, report = yield from run.walk((fixed, moving), warp, rng, trace, began)
-                seed = run.next_seed
-                reports.append(report)
-            before = warp
+                level = _Level(stage, setting, (number, depth), seed)
+                places = yield from run.level(level, places, rng)
+                seed = level.next_seed
+            before = warp = places[0].found
         facts = provenance(preset, *given, seconds=perf_counter() - began)
-        last, found = reports[-1], setting.whole(warp)
-        return Result(
-            found, last.value, last.stop, tuple(reports), preset, facts, *given, tuple(trace), first
-        )
+        return run.result(setting.whole(warp), preset, facts, given, first)
+
+
+def searched(stage: Stage, fixed: Image, moving: Image, warp: Warp, setting: Setting) -> tuple[Place, ...]:
+    """Where a stage's first level begins: one place, or those that a search found."""
+    if isinstance(stage.start, Search):
+        return search(stage, fixed, moving, setting)
+    return (Place(warp, warp),)
+
+
+class _Run:
+    """What grows while a preset is run."""
+
+    def __init__(self, images: tuple[Image, Image], began: float) -> None:
+        self.images, self.began = images, began
+        self.trace: list[Progress] = []
+        self.reports: list[LevelReport] = []
+        self.candidates: tuple[Candidate, ...] = ()
+
+    def level(
+        self, level: "_Level", places: tuple[Place, ...], rng: Normals
+    ) -> Generator[Progress, None, tuple[Place, ...]]:
+        """Walk a level from the best places; all of them, those that were walked before others, by value."""
+        walked: list[tuple[Place, LevelReport, list[Progress]]] = []
+        for number, place in enumerate(places[: level.kept]):
+            trace: list[Progress] = []
+            warp, report = yield from level.walk(self.images, place.found, rng, trace, self.began, number)
+            walked.append((place.walked(warp, report.value), report, trace))
+        walked.sort(key=lambda one: one[1].value)
+        self.reports.append(walked[0][1])
+        self.trace += walked[0][2]
+        ranked = (*(one for one, _, _ in walked), *places[level.kept :])
+        if isinstance(level.start, Search):
+            self.candidates = tuple(one.candidate(level.setting) for one in ranked)
+        return ranked
+
+    def result(
+        self,
+        warp: Warp | Chain,
+        preset: Preset,
+        facts: Mapping[str, Any],
+        given: tuple[Image, Image],
+        first: Warp | Chain | None,
+    ) -> Result:
+        """What was found."""
+        last = self.reports[-1]
+        seen = (tuple(self.reports), preset, facts, *given, tuple(self.trace))
+        return Result(warp, last.value, last.stop, *seen, first, self.candidates)
 
 
 class _Level:
@@ -65,13 +112,30 @@ class _Level:
         self.level = stage.levels[self.depth]
         self.seed = self.next_seed = seed
 
+    @property
+    def start(self) -> str | Search:
+        """Where the stage began."""
+        return self.stage.start
+
+    @property
+    def kept(self) -> int:
+        """How many places the level is walked from."""
+        start = self.stage.start
+        return start.keep[self.depth] if isinstance(start, Search) and self.depth < len(start.keep) else 1
+
     def walk(
-        self, images: tuple[Image, Image], warp: Warp, rng: Normals, trace: list[Progress], began: float
+        self,
+        images: tuple[Image, Image],
+        warp: Warp,
+        rng: Normals,
+        trace: list[Progress],
+        began: float,
+        candidate: int,
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
         warp = taken_up(warp, self.setting, self.level)
-        scene, self.next_seed = prepare(self.stage, self.level, *images, self.seed, self.setting)
+        scene, self.next_seed = self.scene(images, warp)
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
         problem = shown(objective, self.stage, at, space.free)
@@ -85,9 +149,7 @@ class _Level:
                 stop = str(end.value)
                 break
             at = problem.whole(step.params)
-            place, seconds = (self.number, self.depth, count, limit), perf_counter() - began
-            here = objective.settled(at)
-            progress = Progress(*place, step.value, here, step.size, seconds, objective.evaluations)
+            progress = self.progress(step, objective, at, count, perf_counter() - began, candidate)
             trace.append(progress.kept())
             yield progress
         steps.close()
@@ -95,6 +157,21 @@ class _Level:
         return found, self.report(
             scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
         )
+
+    def scene(self, images: tuple[Image, Image], warp: Warp) -> tuple[Scene, int]:
+        """The level's scene, and the sampling seed of the next level."""
+        setting = self.setting
+        if self.level.fit is not None:
+            images, setting = fitted(images, setting, setting.onward(warp), self.level.fit)
+        return prepare(self.stage, self.level, *images, self.seed, setting)
+
+    def progress(
+        self, step: Step, objective: Objective, at: Params, count: int, seconds: float, candidate: int
+    ) -> Progress:
+        """An iteration as observers see it."""
+        place = (self.number, self.depth, count, self.level.iterations)
+        done = (step.size, seconds, objective.evaluations, candidate)
+        return Progress(*place, step.value, objective.settled(at), *done)
 
     def report(
         self,

@@ -92,7 +92,8 @@ class Objective:
     def _pairs(self, moving: Values, weight: Values, prepared: object) -> Pairs:
         scene = self.scene
         shape = scene.samples.shape if scene.samples.indices is None else None
-        return Pairs(scene.fixed, moving, weight, scene.fixed_range, scene.moving_range, shape, prepared)
+        ranges, single = (scene.fixed_range, scene.moving_range), scene.moving.rounds
+        return Pairs(scene.fixed, moving, weight, *ranges, shape, prepared, single)
 
     def _counted(self, value: float) -> float:
         if not np.isfinite(value):

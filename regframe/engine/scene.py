@@ -116,7 +116,7 @@ def prepare(
             fixed,
             moving,
             interpolator.prepare(_volume(moving)),
-            fixed.range() if samples.indices is None else _sampled_range(fixed, at.all_indices(), counted),
+            _fixed_range(stage, fixed, at, counted, whole=samples.indices is None),
             moving.range(),
             setting.below,
         ),
@@ -169,8 +169,12 @@ def _volume(image: Image) -> Volume:
     return np.ascontiguousarray(image.values, np.float64)
 
 
-def _sampled_range(fixed: Image, indices: Indices, weight: Values) -> tuple[float, float]:
-    """Range over the pixels nearest to the samples, as ITK takes it for sparse sampling."""
-    near = np.floor(indices[weight > 0] + 0.5).astype(np.int64)
+def _fixed_range(
+    stage: Stage, fixed: Image, at: Samples, weight: Values, *, whole: bool
+) -> tuple[float, float]:
+    """Range under the mask, or over the pixels nearest to the samples where the metric asks for it."""
+    if whole or stage.metric.range_of == "image":
+        return fixed.range()
+    near = np.floor(at.all_indices()[weight > 0] + 0.5).astype(np.int64)
     met = fixed.values[tuple(near.T)]
     return float(met.min()), float(met.max())

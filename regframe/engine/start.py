@@ -7,9 +7,9 @@ import numpy as np
 from regframe.engine.moments import mass_centre, turn_between
 from regframe.engine.setting import Setting
 from regframe.errors import GeometryError
-from regframe.geometry import AffineMap, Frame
+from regframe.geometry import AffineMap, Frame, Grid
 from regframe.image import Image
-from regframe.preset import Stage
+from regframe.preset import Search, Stage
 from regframe.transforms.linear import about
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params
@@ -21,7 +21,7 @@ BY_MASS = ("moments", "principal-axes")
 def begin(
     stage: Stage, fixed: Image, moving: Image, before: Warp | Chain | None, setting: Setting | None = None
 ) -> Warp:
-    """The stage's first warp.
+    """The stage's first warp; before a search, the middle of what it looks at.
 
     Parameters
     ----------
@@ -54,6 +54,8 @@ def begin(
         shift = moving.grid.centre - centre
     if stage.start == "fields-of-view":
         unit = unit * (moving.grid.extent[0] / fixed.grid.extent[0])
+    if isinstance(stage.start, Search):
+        unit = unit * base_scale(stage.start, fixed.grid, moving.grid)
     if stage.start == "principal-axes":
         unit = turn_between(fixed, moving)
     first = about(unit, shift, centre)
@@ -62,6 +64,25 @@ def begin(
     if stage.start in BY_MASS:
         frame = replace(frame, centre=centre)
     return Warp(transform, transform.from_affine(first, frame), frame)
+
+
+def placed_on(stage: Stage, first: AffineMap, moving: Grid, setting: Setting) -> Warp:
+    """A map from the fixed to the moving image as a member of the stage's family over the domain."""
+    frame = Frame.about_centre(setting.domain, moving)
+    if setting.below is not None:
+        first, _ = _behind(setting.below, first, frame.centre)
+    return Warp(stage.transform, stage.transform.from_affine(first, frame), frame)
+
+
+def base_scale(options: Search, fixed: Grid, moving: Grid) -> float:
+    """Moving over fixed lengths at a search's scale 1."""
+    if options.relative_to == "spacing":
+        return 1.0
+    ratio = float(moving.extent[0] / fixed.extent[0])
+    if options.fields_of_view_deg is None:
+        return ratio
+    below, above = np.tan(np.deg2rad(options.fields_of_view_deg) / 2)
+    return ratio * float(below / above)
 
 
 def _behind(below: Warp | Chain, first: AffineMap, centre: Params) -> tuple[AffineMap, Params]:

@@ -7,10 +7,11 @@ array subscripts spare the test for negative ones and are worth 1.5x in the hot 
 """
 
 import os
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Any, TypeVar, cast
+from typing import Any, Protocol, TypeVar, cast
 
 import numba
 import numpy as np
@@ -86,12 +87,60 @@ prefetch = cast("Callable[[NDArray[np.float64], int], None]", _prefetch)
 columns = cast("Callable[[NDArray[np.float64], int, int, Four], Four]", _columns)
 
 
+class Compiled(Protocol):
+    """A compiled function."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        """What the function does."""
+
+
+def compiled(function: Callable[..., Any]) -> Compiled:
+    """As `kernel`, for functions of others: kept on disk only where their source is a file."""
+    try:
+        return kernel(function)
+    except RuntimeError:
+        # numba finds no place for code that was typed into an interpreter.
+        return cast("Compiled", numba.njit(nogil=True, error_model="numpy")(function))
+
+
+def outputs(function: Compiled, count: int) -> int:
+    """How many numbers a compiled function of `count` float64 returns in a tuple; 0 for a plain number.
+
+    Raises
+    ------
+    TypeError
+        It cannot be compiled, or returns something else.
+    """
+    compiler = cast("Any", function)
+    signature = (numba.float64,) * count
+    try:
+        compiler.compile(signature)
+    except numba.core.errors.NumbaError as error:
+        message = f"{compiler.__name__} cannot be compiled for {count} numbers: {error}"
+        raise TypeError(message) from None
+    given = compiler.overloads[signature].signature.return_type
+    numbers = tuple(given) if isinstance(given, numba.types.BaseTuple) else (given,)
+    if not all(isinstance(one, numba.types.Number | numba.types.Boolean) for one in numbers):
+        message = f"{compiler.__name__} must return a number or a tuple of numbers. Got {given}."
+        raise TypeError(message)
+    return len(numbers) if isinstance(given, numba.types.BaseTuple) else 0
+
+
 def threads() -> int:
     """Number of threads: ``REGFRAME_THREADS`` where set, else the processors this process may use."""
     wish = os.environ.get("REGFRAME_THREADS", "")
     if wish.isdigit() and int(wish) > 0:
         return int(wish)
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Here(threading.local):
+    """Whether this thread is at work on a part already."""
+
+    sharing = False
+
+
+_here = _Here()
 
 
 @cache
@@ -111,11 +160,22 @@ def share(function: Callable[..., object], count: int, *arguments: Any) -> None:
     be `BLOCKS` and give every block its own partial sum.
     """
     parts = min(threads(), count)
-    if parts <= 1:
+    if parts <= 1 or _here.sharing:
+        # Work within shared work is not shared again: all threads are busy, and might wait for each other.
         function(0, count, *arguments)
         return
     edges = [count * i // parts for i in range(parts + 1)]
-    waiting = [_pool(parts - 1).submit(function, edges[i], edges[i + 1], *arguments) for i in range(1, parts)]
-    function(edges[0], edges[1], *arguments)
+    waiting = [
+        _pool(parts - 1).submit(_part, function, edges[i], edges[i + 1], *arguments) for i in range(1, parts)
+    ]
+    _part(function, edges[0], edges[1], *arguments)
     for one in waiting:
         one.result()
+
+
+def _part(function: Callable[..., object], first: int, last: int, *arguments: Any) -> None:
+    _here.sharing = True
+    try:
+        function(first, last, *arguments)
+    finally:
+        _here.sharing = False

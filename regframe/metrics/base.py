@@ -1,11 +1,17 @@
 """How unlike two images are."""
 
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+import numpy as np
+
 from regframe.component import Component
-from regframe.types import Points, Values
+from regframe.types import Points, Values, Volume
+
+Translations = Callable[[Volume, Volume], tuple[Volume, Volume]]
+"""From moving intensities and weights to the value and the shared weight at every whole translation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,11 +25,13 @@ class Pairs:
     weight : (n,) float64, >= 0
         0 means 'not there': outside an image or a mask.
     fixed_range, moving_range : tuple of float
-        Smallest and largest value of the level's images, under their masks.
+        Smallest and largest value of the level's images, under their masks; see `Metric.range_of`.
     shape : tuple of int or None
         The grid's shape, array order, when samples are a whole grid (`n` is its product).
     prepared : object
         What `Metric.prepare` returned for this level.
+    single : bool
+        Whether the intensities are those of float32 images, rounded as such.
     """
 
     fixed: Values
@@ -33,6 +41,12 @@ class Pairs:
     moving_range: tuple[float, float]
     shape: tuple[int, ...] | None = None
     prepared: object = None
+    single: bool = False
+
+    def difference(self) -> Values:
+        """``fixed - moving``, (n,); of float32 images in their precision, as ITK subtracts them."""
+        difference = self.fixed - self.moving
+        return difference.astype(np.float32).astype(np.float64) if self.single else difference
 
 
 class Metric(Component):
@@ -41,14 +55,16 @@ class Metric(Component):
     A metric is a function of paired intensities: it never sees an image, a transform, an interpolator,
     a mask, a level or a thread. One method is enough; the hooks add speed.
 
-    `layout` "grid" asks for whole grids in place of loose samples. `suits` lists the relations between the
-    two images' intensities under which aligned images score best: "mono" (equal), "inverted",
-    "multimodal" (any). `invariant_to` lists changes of the moving intensities that leave the value as it is:
-    "shift", "scale", "inversion", "monotone" (any rising curve). The conformance suite holds a metric to
-    what it lists.
+    `layout` "grid" asks for whole grids in place of loose samples. `range_of` "samples" asks for the fixed
+    range over the pixels nearest to the samples where these are not a whole grid. `suits` lists the
+    relations between the two images' intensities under which aligned images score best: "mono" (equal),
+    "inverted", "multimodal" (any). `invariant_to` lists changes of the moving intensities that leave the
+    value as it is: "shift", "scale", "inversion", "monotone" (any rising curve). The conformance suite holds
+    a metric to what it lists.
     """
 
     layout: ClassVar[Literal["points", "grid"]] = "points"
+    range_of: ClassVar[Literal["image", "samples"]] = "image"
     suits: ClassVar[tuple[str, ...]] = ("mono",)
     invariant_to: ClassVar[tuple[str, ...]] = ()
 
@@ -88,5 +104,23 @@ class Metric(Component):
         -------
         (n, dim) float64, physical, x first, or None
             Uphill: a step against the force improves the match. 0 where the weight is 0.
+        """
+        return None
+
+    def translations(self, pairs: Pairs, lattice: tuple[int, ...]) -> Translations | None:
+        """Hook: how to score every whole translation at once, for `start = "search"`; None: one by one.
+
+        The function returned takes the moving image's intensities and weights on a grid of the fixed
+        grid's spacing. It gives two arrays of shape `lattice`: the metric, and the sum of the weights'
+        products, at every translation t, where fixed grid point x meets moving grid point x + t; negative
+        translations stand at the end. The metric may be an approximation in single precision: what is
+        found is measured again by `value`. It is called from several threads.
+
+        Parameters
+        ----------
+        pairs : Pairs
+            A whole fixed grid; `pairs.moving` is not filled in yet.
+        lattice : tuple of int
+            Large enough for both grids side by side as far as translations are of interest.
         """
         return None

@@ -33,13 +33,13 @@ class Demons(Metric):
     def value(self, pairs: Pairs) -> float:
         """sum of w (f - m)^2 / sum of w, infinite without weight."""
         mass = float(pairs.weight.sum())
-        difference = pairs.fixed - pairs.moving
+        difference = pairs.difference()
         return float(np.sum(pairs.weight * difference * difference)) / mass if mass else float("inf")
 
     def derivative(self, pairs: Pairs) -> Values:
         """Slope of the value by each moving intensity: -2 w (f - m) / sum of w."""
         mass = float(pairs.weight.sum())
-        return (-2.0 / mass if mass else 0.0) * pairs.weight * (pairs.fixed - pairs.moving)
+        return (-2.0 / mass if mass else 0.0) * pairs.weight * pairs.difference()
 
     def forces(self, pairs: Pairs, slopes: Points, spacing: tuple[float, ...]) -> Points:
         """Uphill pushes: - (f - m) g / ((f - m)^2 / K + |g|^2), with g the fixed image's slope.
@@ -47,7 +47,7 @@ class Demons(Metric):
         K, the mean squared spacing of the fixed image, makes both terms of the denominator squared slopes.
         Weights count as shares of the largest.
         """
-        difference = pairs.fixed - pairs.moving
+        difference = pairs.difference()
         squared = float(np.mean(np.square(spacing)))
         denominator = difference * difference / squared + np.sum(slopes * slopes, axis=1)
         pushes = (np.abs(difference) >= self.threshold) & (denominator >= FLAT)

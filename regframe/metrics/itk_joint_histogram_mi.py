@@ -21,8 +21,7 @@ class ItkJointHistogramMi(Metric):
     2000. ITK divides by the fixed image's marginal at the moving bin and the other way round, so the
     value is no mutual information and does not suit images whose histograms differ; for new work take
     `joint-histogram-mi` or `mattes`. The value is infinite without any sample and when an image is
-    constant. Departures from ITK: its derivative is minus ours, and with sparse sampling the fixed range
-    is that of the samples' pixels, not of the whole image.
+    constant. One departure from ITK: its derivative is minus ours.
     """
 
     bins: int = Field(20, ge=6, le=1024, description="Bins an axis; the outer two at each end stay free.")

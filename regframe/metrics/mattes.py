@@ -1,6 +1,6 @@
 """Mattes mutual information."""
 
-from typing import ClassVar, final
+from typing import ClassVar, Literal, final
 
 import numpy as np
 from pydantic import Field
@@ -23,6 +23,7 @@ class Mattes(Metric):
 
     bins: int = Field(50, ge=5, le=1024, description="Bins an axis; the outer two at each end stay free.")
 
+    range_of: ClassVar[Literal["image", "samples"]] = "samples"
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
     invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 

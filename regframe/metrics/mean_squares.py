@@ -21,10 +21,10 @@ class MeanSquares(Metric):
     def value(self, pairs: Pairs) -> float:
         """sum of w (f - m)^2 / sum of w, infinite without weight."""
         mass = float(pairs.weight.sum())
-        difference = pairs.fixed - pairs.moving
+        difference = pairs.difference()
         return float(np.sum(pairs.weight * difference * difference)) / mass if mass else float("inf")
 
     def derivative(self, pairs: Pairs) -> Values:
         """Slope by each moving intensity: -2 w (f - m) / sum of w."""
         mass = float(pairs.weight.sum())
-        return (-2.0 / mass if mass else 0.0) * pairs.weight * (pairs.fixed - pairs.moving)
+        return (-2.0 / mass if mass else 0.0) * pairs.weight * pairs.difference()

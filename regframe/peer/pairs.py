@@ -1,5 +1,6 @@
 """The second floor: SimpleITK reads the intensities, the preset's own metric judges them."""
 
+from dataclasses import replace
 from math import ceil, log10
 
 import numpy as np
@@ -70,11 +71,9 @@ def built(bench: Bench, params: Params) -> Pairs:
         fixed_range,
         moving.range(),
         None if sparse else scene.samples.shape,
+        single=moving.rounds,
     )
-    prepared = bench.stage.metric.prepare(pairs)
-    return Pairs(
-        pairs.fixed, pairs.moving, pairs.weight, fixed_range, pairs.moving_range, pairs.shape, prepared
-    )
+    return replace(pairs, prepared=bench.stage.metric.prepare(pairs))
 
 
 def _read(

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from regframe.peer.twins import Method
 
 AGAIN = (
-    "levels of different lengths or kinds of sampling are separate runs in SimpleITK, so random draws begin "
-    "anew at each"
+    "levels of different lengths or kinds of sampling are separate runs in SimpleITK, so the optimizer's "
+    "random draws begin anew at each"
 )
 NO_REASON = "no reason given"
 WIDENED = "one image is float32 and the other float64, which SimpleITK refuses: both are taken as float64"
@@ -103,7 +103,7 @@ class _Run:
         self.notes += spoken.notes
         self.alike &= spoken.alike
         divided = parts(spoken, self.seed, setting)
-        if spoken.together and len(divided) > 1:
+        if spoken.draws and len(divided) > 1:
             self.notes.append(AGAIN)
             self.alike = False
         depth = 0
@@ -191,11 +191,15 @@ def _execute(spoken: Terms, part: Part, pair: tuple[Image, Image], warp: Warp, t
     tell_optimizer(method, spoken, part.levels[0].iterations, part.seed)
     moved = put(method, part, warp, adapting=True)
     values: list[float] = []
+    lowest: list[tuple[float, Params]] = []
 
     def iteration() -> None:
         values.append(method.GetMetricValue())
-        here = np.array(method.GetOptimizerPosition())
-        if not tell(_Seen(method.GetCurrentLevel(), values[-1], here, _size(method))):
+        seen = values[-1], np.array(method.GetOptimizerPosition())
+        if spoken.remembers and lowest and not seen[0] < lowest[0][0]:
+            seen = lowest[0]
+        lowest[:] = [seen]
+        if not tell(_Seen(method.GetCurrentLevel(), *seen, _size(method))):
             method.StopRegistration()
 
     def level_end() -> None:
@@ -205,6 +209,7 @@ def _execute(spoken: Terms, part: Part, pair: tuple[Image, Image], warp: Warp, t
             last = values[-1] if values else float("nan")
             tell(_Seen(level, last, np.array(moved.GetParameters()), 0.0, stop or NO_REASON))
             values.clear()
+            lowest.clear()
 
     method.AddCommand(sitk.sitkIterationEvent, iteration)
     method.AddCommand(sitk.sitkMultiResolutionIterationEvent, level_end)

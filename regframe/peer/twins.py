@@ -51,6 +51,11 @@ class Terms:
         Whether SimpleITK may be told scales; with L-BFGS-B they end the process.
     together : bool
         Whether one call may run several levels.
+    draws : bool
+        Whether the optimizer draws random numbers, whose course ends with a call.
+    remembers : bool
+        Whether ITK ends a level at the position after the step from the lowest value met. Its events tell
+        the current one, and regframe the one to end at.
     weights : tuple of float
         Factors on the slopes that SimpleITK is told; none when all are 1.
     """
@@ -60,6 +65,8 @@ class Terms:
     alike: bool = True
     scaled: bool = True
     together: bool = True
+    draws: bool = False
+    remembers: bool = False
     weights: tuple[float, ...] = ()
 
 

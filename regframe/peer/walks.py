@@ -51,7 +51,7 @@ def _(ours: OnePlusOne, stage: Stage, unit: Params) -> Terms:
         )
     if ours.variates != "wallace":
         notes.append(f'the draws of variates = "{ours.variates}" have no counterpart; SimpleITK uses its own')
-    return Terms(stage, tuple(notes), alike=ours.variates == "wallace")
+    return Terms(stage, tuple(notes), alike=ours.variates == "wallace", draws=True)
 
 
 @twins.optimizer.register(RegularStepGradientDescent)
@@ -133,7 +133,7 @@ def _(ours: LineSearchDescent, stage: Stage, unit: Params) -> Terms:
         notes += (
             "SimpleITK's later levels begin with the last learning rate found, ours with the given one",
         )
-    return Terms(stage, notes, alike=not carried)
+    return Terms(stage, notes, alike=not carried, remembers=True)
 
 
 @twins.optimizer.register(Powell)

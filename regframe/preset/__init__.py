@@ -5,11 +5,13 @@ from regframe.preset.finding import faults, folder, names, origin, shipped
 from regframe.preset.model import Filters, Level, Preset, Stage, dump
 from regframe.preset.paths import differences
 from regframe.preset.schema import schema
+from regframe.preset.search import Search
 
 __all__ = [
     "Filters",
     "Level",
     "Preset",
+    "Search",
     "Stage",
     "as_toml",
     "differences",

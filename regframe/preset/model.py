@@ -3,20 +3,31 @@
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import InitErrorDetails
 
 from regframe.catalog import FILTERS, INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
-from regframe.faults import fault, nearest, raised
+from regframe.faults import fault, nearest, raised, shown
 from regframe.filters.base import Filter
 from regframe.interpolators.base import Interpolator
 from regframe.metrics.base import Metric
 from regframe.optimizers.base import Optimizer
+from regframe.preset.record import Record
+from regframe.preset.search import Search
 from regframe.transforms.base import Transform
 
 LARGEST_SEED = 2**32 - 1
 
-Start = Literal["centres", "identity", "moments", "principal-axes", "fields-of-view", "previous", "compose"]
+STARTS = (
+    "centres",
+    "identity",
+    "moments",
+    "principal-axes",
+    "fields-of-view",
+    "previous",
+    "compose",
+    "search",
+)
 Estimator = Literal["shift", "physical-shift", "index-shift", "jacobian"]
 ESTIMATORS = ("shift", "physical-shift", "index-shift", "jacobian")
 
@@ -40,16 +51,40 @@ def _positive(scale: object) -> bool:
 Scales = Annotated[Estimator | tuple[float, ...], BeforeValidator(_check_scales)]
 
 
-class Record(BaseModel):
-    """A frozen, closed table of a preset."""
+def _check_start(met: object) -> object:
+    """The word for a search becomes its table; one fault for the whole field."""
+    if met == "search":
+        return Search()
+    if isinstance(met, Search) or (isinstance(met, dict) and met.get("type") == "search"):
+        return met
+    if isinstance(met, str) and met in STARTS:
+        return met
+    near = nearest(met, STARTS) if isinstance(met, str) else ""
+    names = ", ".join(map(repr, STARTS))
+    message = f'must be {names}, or a table with type = "search". Got {met!r}.{near}'
+    raise ValueError(message)
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, ser_json_inf_nan="constants")
+
+Start = Annotated[
+    Literal["centres", "identity", "moments", "principal-axes", "fields-of-view", "previous", "compose"]
+    | Search,
+    BeforeValidator(_check_start),
+]
 
 
 class Level(Record):
     """One resolution of a stage's pyramid."""
 
     shrink: int = Field(1, ge=1, strict=True, description="Take every n-th grid point along each axis.")
+    fit: int | None = Field(
+        None,
+        ge=16,
+        strict=True,
+        description=(
+            "In place of `shrink`: average both images over the least whole number of pixels that leaves at "
+            "most this many along every axis."
+        ),
+    )
     smooth: float = Field(
         0.0, ge=0, strict=True, description="Sigma of the Gaussian on both images in pixels (or mm); 0: none."
     )
@@ -83,6 +118,13 @@ class Level(Record):
         return met
 
     @model_validator(mode="after")
+    def _check_fit(self) -> Self:
+        if self.fit is not None and self.shrink != 1:
+            text = f"has no effect beside `fit`. Got {self.shrink!r}. Leave one of them out."
+            raise raised([fault(("shrink",), text, self.shrink)])
+        return self
+
+    @model_validator(mode="after")
     def _check_sampling(self) -> Self:
         if self.sampling == "all" and self.fraction < 1:
             text = (
@@ -102,9 +144,10 @@ class Stage(Record):
         description=(
             "Where the search begins: image centres on each other, no motion, centres of mass, these and the "
             "axes of the intensities' spread (the smallest turn that lays one on the other), equal fields "
-            "of view (frames brought together by the ratio of their widths), or the stage before; stages "
-            "after the first continue with `previous` unless told otherwise. `compose` keeps the map found "
-            "so far as it is, and searches another one that is applied before it, from no motion."
+            "of view (frames brought together by the ratio of their widths), the stage before, or a search "
+            "over rotations, scales and shifts (`search`, or a table of its options); stages after the first "
+            "continue with `previous` unless told otherwise. `compose` keeps the map found so far as it is, "
+            "and looks for another one that is applied before it, from no motion."
         ),
     )
     transform: Annotated[Transform, TRANSFORMS] = Field(
@@ -213,6 +256,19 @@ class Preset(Record):
     )
     filters: Filters = Field(Filters(), description="Each image's own preparation.")
     stages: tuple[Stage, ...] = Field(min_length=1, description="Searches, each beginning where it is told.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_code(cls, tree: object) -> object:
+        """A preset may come from a stranger, so it names components and never code."""
+        keys = [key for key in ("plugin", "plugins") if isinstance(tree, dict) and key in tree]
+        if keys and isinstance(tree, dict):
+            text = (
+                f"a preset cannot load plugins: it may come from a stranger. Got {shown(tree[keys[0]])}. "
+                "Remove it; name your own files with --plugin FILE, or in your configuration."
+            )
+            raise raised([fault((keys[0],), text, tree[keys[0]])])
+        return tree
 
     @field_validator("stages")
     @classmethod

@@ -5,7 +5,7 @@ import io
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -33,8 +33,16 @@ GEOMETRIC = (".nii.gz", ".nii", ".nrrd", ".mha")
 """Formats that keep origin, spacing and direction."""
 
 
-def save(result: Result, folder: Path, *, force: bool = False, figures: bool = True) -> Path:
-    """Write everything a result holds into a folder.
+def save(
+    result: Result,
+    folder: Path,
+    *,
+    force: bool = False,
+    figures: bool = True,
+    verdict: bool = True,
+    keep_failed: bool = False,
+) -> Path:
+    """Write everything a result holds into a folder; of a failed one only what shows why.
 
     Files appear under their names only when all of them are complete, so an interrupted run leaves
     nothing half-written. With `force` the files of an earlier result are replaced, and those it alone
@@ -49,6 +57,10 @@ def save(result: Result, folder: Path, *, force: bool = False, figures: bool = T
         Replace an earlier result.
     figures : bool
         Write overlays and plots too.
+    verdict : bool
+        Write the verdict too, and withhold the aligned image and the transform where it is ``failed``.
+    keep_failed : bool
+        Withhold nothing.
 
     Returns
     -------
@@ -62,7 +74,11 @@ def save(result: Result, folder: Path, *, force: bool = False, figures: bool = T
     """
     check(folder, force=force)
     with _staged(folder) as temporary:
-        _write(result, temporary, figures)
+        if keep_failed or not (verdict and result.verdict == "failed"):
+            _write_map(result, temporary)
+        _write_run(result, temporary, verdict)
+        if figures:
+            _draw(result, temporary)
         new = sorted(path.name for path in temporary.iterdir())
         for old in earlier(folder):
             if old not in new:
@@ -131,7 +147,8 @@ def aligned_name(moving: Image, grid: Grid) -> str:
     return "aligned.nrrd" if wide_colour else "aligned.tiff"
 
 
-def _write(result: Result, folder: Path, figures: bool) -> None:
+def _write_map(result: Result, folder: Path) -> None:
+    """What others go on with: the aligned image and the transform."""
     from regframe.io import write
     from regframe.transforms import files
 
@@ -143,16 +160,19 @@ def _write(result: Result, folder: Path, figures: bool) -> None:
         aligned = aligned.astype(np.float32)
     write(aligned, fixed.grid, folder / aligned_name(moving, fixed.grid))
     files.write(result.warp, folder / "transform.tfm")
-    for name, record in (
-        ("transform.json", records.transform_record(result)),
-        ("result.json", records.result_record(result)),
-    ):
-        (folder / name).write_text(records.to_json(record) + "\n", encoding="utf-8")
+    _write_json(records.transform_record(result), folder / "transform.json")
+
+
+def _write_run(result: Result, folder: Path, verdict: bool) -> None:
+    """What tells how the map was found, and whether to trust it."""
+    _write_json(records.result_record(result, verdict=verdict), folder / "result.json")
     table = io.StringIO()
     csv.writer(table, lineterminator="\n").writerows(records.trace_rows(result))
     (folder / "trace.csv").write_text(table.getvalue(), encoding="utf-8")
-    if figures:
-        _draw(result, folder)
+
+
+def _write_json(record: Mapping[str, object], path: Path) -> None:
+    path.write_text(records.to_json(record) + "\n", encoding="utf-8")
 
 
 def _draw(result: Result, folder: Path) -> None:

@@ -36,7 +36,7 @@ def card(result: Result) -> str:
     rows = "".join(
         f'<tr><th style="{_CELL};font-weight:600">{escape(name)}</th>'
         f'<td style="{_CELL}">{escape(text)}</td></tr>'
-        for name, text in facts(result)
+        for name, text in (("verdict", result.verdict.summary()), *facts(result))
     )
     legend = "fixed image red, moving image cyan; grey where both agree"
     return (

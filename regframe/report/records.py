@@ -75,9 +75,17 @@ def transform_record(result: Result) -> dict[str, Any]:
     }
 
 
-def result_record(result: Result) -> dict[str, Any]:
-    """What ``result.json`` holds: the outcome, its levels, the resolved preset, and where it came from."""
+def result_record(result: Result, *, verdict: bool = True) -> dict[str, Any]:
+    """What ``result.json`` holds: verdict, outcome, levels, resolved preset, and where it came from.
+
+    Parameters
+    ----------
+    result : Result
+    verdict : bool
+        Off, the verdict is not asked for, and null.
+    """
     return {
+        "verdict": result.verdict.record() if verdict else None,
         "value": result.value,
         "stop": result.stop,
         "seconds": sum(level.seconds for level in result.levels),

@@ -254,6 +254,9 @@ def check_survives_itk_files(transform: Transform) -> None:
 
     for frame, points in _places(transform):
         warp = Warp(transform, example_params(transform, frame), frame)
+        if not files.exact(warp):
+            message = "ITK has no such transform, and gets a displacement field"
+            raise NotApplicable(message)
         with TemporaryDirectory() as folder:
             path = Path(folder) / "warp.tfm"
             try:

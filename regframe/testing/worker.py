@@ -13,6 +13,7 @@ from functools import cache
 from pickle import dump, dumps, load, loads
 from threading import Lock
 
+from regframe import plugins
 from regframe.component import Component
 from regframe.testing.observation import Seen, observe
 
@@ -56,7 +57,7 @@ class Worker:
         OSError, EOFError
             The process has ended.
         """
-        question = (sys.path, dumps(component), seed)
+        question = (sys.path, plugins.files(), dumps(component), seed)
         assert self._child.stdin is not None
         assert self._child.stdout is not None
         with self._lock:
@@ -83,10 +84,12 @@ def serve() -> None:
     os.dup2(2, 1)
     while True:
         try:
-            path, pickled, seed = load(sys.stdin.buffer)
+            path, files, pickled, seed = load(sys.stdin.buffer)
         except EOFError:
             return
         sys.path[:] = path
+        for file in files:
+            plugins.load(file)  # each time: it may have been changed since
         dump(_answer(pickled, seed), replies)
         replies.flush()
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from regframe.geometry import Grid
-from regframe.transforms.homography import FAR
+from regframe.kernels.planar import LOST
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params, Points
 
@@ -47,7 +47,7 @@ def _coarse(fixed: Grid, step: int) -> Grid:
 
 def _displaced(warp: Warp | Chain, points: Points) -> Points:
     there = warp(points)
-    lost = np.abs(there).max(axis=1) > FAR / 1e3
+    lost = np.abs(there).max(axis=1) > LOST
     moved = there - points
     moved[lost] = OUTSIDE
     return np.asarray(moved)

@@ -146,7 +146,7 @@ def read(path: str | Path, grid: Grid) -> Warp | Chain:
 def _to_itk(warp: Warp | Chain) -> "sitk.Transform":
     import SimpleITK as sitk
 
-    if any(not _known(part) for part in (warp.warps if isinstance(warp, Chain) else (warp,))):
+    if any(not exact(part) for part in (warp.warps if isinstance(warp, Chain) else (warp,))):
         # A field covers the fixed image, so a chain with such a member becomes one as a whole.
         return _field(warp)
     if isinstance(warp, Chain):
@@ -159,8 +159,8 @@ def _to_itk(warp: Warp | Chain) -> "sitk.Transform":
     return theirs
 
 
-def _known(warp: Warp) -> bool:
-    """Whether ITK has a transform of the same parameters, or an affine one for it."""
+def exact(warp: Warp) -> bool:
+    """Whether ITK has a transform of the same parameters, or an affine one for it; else it gets a field."""
     kind = type(warp.transform)
     return kind in BENDING or (kind, warp.frame.dim) in KINDS or warp.as_affine() is not None
 

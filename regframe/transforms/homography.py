@@ -7,12 +7,11 @@ import numpy as np
 
 from regframe.errors import GeometryError
 from regframe.geometry import Grid
-from regframe.types import Mask, Matrix, Params, Points
+from regframe.kernels.planar import FAR
+from regframe.types import Matrix, Params, Points
 
 LEAST = 1e-6
-"""Depth, and slope of a lens's law, below which a point counts as on or beyond the horizon."""
-FAR = 1e12
-"""Where points without an image are put, mm: outside of any image, and yet a number."""
+"""Depth below which a point counts as on or beyond the horizon."""
 
 
 STEP = 1e-5
@@ -70,39 +69,6 @@ class Homography:
         about[:2, :2] = self.matrix + np.outer(self.translation, self.slant)
         about[:2, 2], about[2, :2] = self.translation, self.slant
         return np.asarray(there @ about @ back, np.float64)
-
-    def __call__(self, points: Points) -> Points:
-        """Map (n, 2) points; those on or beyond the horizon go to `FAR`."""
-        arms = points - self.centre
-        depth, front = self._depth(arms)
-        moved = (arms @ self.matrix.T) / depth[:, None] + (self.centre + self.translation)
-        moved[~front] = FAR
-        return np.asarray(moved)
-
-    def parameter_gradient(self, points: Points, forces: Points) -> Params:
-        """Sum of ``forces . d map / d (matrix by rows, translation, slant)``, (8,)."""
-        arms, pulls, depth = self._felt(points, forces)
-        torque = (pulls / depth[:, None]).T @ arms
-        along = ((arms @ self.matrix.T) * pulls).sum(axis=1) / depth**2
-        return np.concatenate([torque.ravel(), pulls.sum(axis=0), -(along @ arms)])
-
-    def point_gradient(self, points: Points, forces: Points) -> Points:
-        """The forces pulled back to the points by the map's transposed derivative, (n, 2)."""
-        arms, pulls, depth = self._felt(points, forces)
-        along = ((arms @ self.matrix.T) * pulls).sum(axis=1) / depth**2
-        return np.asarray((pulls @ self.matrix) / depth[:, None] - np.outer(along, self.slant))
-
-    def _depth(self, arms: Points) -> tuple[Params, Mask]:
-        """Depth of each point, 1 in place of those that have no image, and which have one."""
-        depth = 1.0 + arms @ self.slant
-        # A point that an earlier map of a chain put far away must not come back by the vanishing point.
-        front = (depth > LEAST) & (np.abs(arms).max(axis=1) < FAR / 1e3)
-        return np.where(front, depth, 1.0), front
-
-    def _felt(self, points: Points, forces: Points) -> tuple[Points, Points, Params]:
-        arms = points - self.centre
-        depth, front = self._depth(arms)
-        return np.where(front[:, None], arms, 0.0), np.where(front[:, None], forces, 0.0), depth
 
 
 def inverted(whole: Matrix) -> Matrix:

@@ -7,7 +7,9 @@ import numpy as np
 from regframe.geometry import AffineMap, Frame
 from regframe.transforms.base import Inverse, Transform
 from regframe.transforms.homography import Homography, inverted, largest_motions, net
+from regframe.transforms.lens import Lens
 from regframe.transforms.linear import translation_about
+from regframe.transforms.planar import Parts, place, pull
 from regframe.types import Matrix, Params, Points
 
 
@@ -38,19 +40,19 @@ class Projective(Transform):
 
     def map(self, params: Params, points: Points, frame: Frame) -> Points:
         """Moving points of (n, 2) fixed points, physical, x first; beyond the horizon far from any image."""
-        return homography(params, frame)(np.asarray(points, np.float64))
+        return place(pinholes(params, frame), points)
 
     def parameter_gradient(self, params: Params, points: Points, forces: Points, frame: Frame) -> Params:
         """Sum over points of ``forces . d map / d params``, (8,)."""
-        return to_params_slope(homography(params, frame).parameter_gradient(points, forces), frame)
+        return to_params_slope(pull(pinholes(params, frame), points, forces)[:8], frame)
 
     def shift(self, params: Params, frame: Frame) -> Params:
         """Largest motion per unit of each parameter, (p,); over a net, as corners need not move most."""
 
-        def place(at: Params, points: Points) -> Points:
+        def moved(at: Params, points: Points) -> Points:
             return self.map(at, points, frame)
 
-        return largest_motions(place, params, net(frame.grid), frame.moving)
+        return largest_motions(moved, params, net(frame.grid), frame.moving)
 
     def as_homogeneous(self, params: Params, frame: Frame) -> Matrix:
         """The (3, 3) matrix."""
@@ -70,6 +72,12 @@ class Projective(Transform):
         """The inverse matrix, about the middle of the moving image where that is known."""
         back = frame.swapped()
         return self, self.from_homogeneous(inverted(self.as_homogeneous(params, frame)), back), back
+
+
+def pinholes(params: Params, frame: Frame) -> Parts:
+    """The homography between two lenses that bend nothing."""
+    plain = Lens.of_image(frame.grid, np.zeros(0))
+    return plain, homography(params, frame), plain
 
 
 def homography(params: Params, frame: Frame) -> Homography:

@@ -10,6 +10,7 @@ from regframe.transforms.base import Inverse, Transform
 from regframe.transforms.homography import Homography, inverted, largest_motions, net
 from regframe.transforms.lens import Lens
 from regframe.transforms.linear import translation_about
+from regframe.transforms.planar import Parts, place, pull
 from regframe.transforms.projective import homography, to_params, to_params_slope
 from regframe.types import Matrix, Params, Points
 
@@ -60,25 +61,21 @@ class ProjectiveRadial(Transform):
 
     def map(self, params: Params, points: Points, frame: Frame) -> Points:
         """Moving points of (n, 2) fixed points, physical, x first; those without an image far from any."""
-        fixed, plane, moving = self.parts(params, frame)
-        return moving.distort(plane(fixed.undistort(np.asarray(points, np.float64))))
+        return place(self.parts(params, frame), points)
 
     def parameter_gradient(self, params: Params, points: Points, forces: Points, frame: Frame) -> Params:
         """Sum over points of ``forces . d map / d params``, (p,)."""
-        fixed, plane, moving = self.parts(params, frame)
-        straight = fixed.undistort(points)
-        by_moving, pulled = moving.distorted_gradient(plane(straight), forces)
-        by_plane = to_params_slope(plane.parameter_gradient(straight, pulled), frame)
-        by_fixed, _ = fixed.undistorted_gradient(points, plane.point_gradient(straight, pulled))
-        return np.concatenate([by_plane, by_fixed, by_moving])
+        whole = pull(self.parts(params, frame), points, forces)
+        plane, fixed, moving = to_params_slope(whole[:8], frame), whole[8:10], whole[10:]
+        return np.concatenate([plane, fixed[: self.fixed_coefficients], moving[: self.moving_coefficients]])
 
     def shift(self, params: Params, frame: Frame) -> Params:
         """Largest motion per unit of each parameter, (p,); over a net, as corners need not move most."""
 
-        def place(at: Params, points: Points) -> Points:
+        def moved(at: Params, points: Points) -> Points:
             return self.map(at, points, frame)
 
-        return largest_motions(place, params, net(frame.grid), frame.moving)
+        return largest_motions(moved, params, net(frame.grid), frame.moving)
 
     def from_affine(self, affine: AffineMap, frame: Frame) -> Params:
         """The affine map itself, without distortion."""
@@ -98,7 +95,7 @@ class ProjectiveRadial(Transform):
         found = Homography.of_homogeneous(inverted(plane.homogeneous()), back.centre)
         return family, np.concatenate([to_params(found, back), moving.coefficients, fixed.coefficients]), back
 
-    def parts(self, params: Params, frame: Frame) -> tuple[Lens, Homography, Lens]:
+    def parts(self, params: Params, frame: Frame) -> Parts:
         """The fixed image's lens, the homography between ideal images, and the moving image's lens."""
         middle = 8 + self.fixed_coefficients
         fixed = Lens.of_image(frame.grid, params[8:middle])

@@ -29,7 +29,7 @@ class Block:
     @property
     def file(self) -> str | None:
         """The file that the block's first line names."""
-        found = re.match(r"# ([\w.-]+\.(?:py|toml))\n", self.code)
+        found = re.match(r"# ((?:[\w-]+/)*[\w.-]+\.(?:py|toml))\n", self.code)
         return found[1] if found else None
 
 

@@ -14,9 +14,11 @@ LAYERS = (
     ("component",),
     ("registry",),
     ("catalog",),
+    ("plugins",),
     ("filters", "metrics", "transforms", "interpolators", "optimizers"),
     ("testing", "preset"),
     ("engine",),
+    ("verdict",),
     ("peer", "dataset", "report"),
     ("cli",),
 )
@@ -26,6 +28,7 @@ COMPONENTS = LAYERS[HEIGHT["metrics"]]
 # Imports against the layers, inside one function each, with the reason.
 DOORS = {
     ("regframe.engine.base", "Result.save", "report"): "a result can be saved without knowing who saves",
+    ("regframe.engine.base", "Result.verdict", "verdict"): "a result is asked whether to trust it",
     ("regframe.engine.base", "Result._repr_html_", "report"): "notebooks ask the result for its picture",
 }
 

@@ -60,7 +60,7 @@ def run(block: Block, namespace: dict[str, object], folder: Path, monkeypatch: p
     elif block.language == "toml":
         _load(block, folder)
     elif block.language == "console":
-        for line in re.findall(r"^\$ (.+(?:\\\n.+)*)", block.code, re.MULTILINE):
+        for line in re.findall(r"^\$ ((?:.*\\\n)*.+)", block.code, re.MULTILINE):
             _call(shlex.split(line.replace("\\\n", " ")), monkeypatch)
     else:
         pytest.fail(f"line {block.line}: a {block.language} block needs a reason for not being run")

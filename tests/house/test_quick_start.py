@@ -25,15 +25,15 @@ def run(main):
         main()
     except SystemExit as end:
         assert not end.code
-before, begin = set(sys.modules), time.perf_counter()
+before, begin = set(sys.modules), time.process_time()
 {code}
-print(time.perf_counter() - begin, *sorted({{name.split(".")[0] for name in sys.modules.keys() - before}}))
+print(time.process_time() - begin, *sorted({{name.split(".")[0] for name in sys.modules.keys() - before}}))
 """
 
 
 @cache
 def start(name: str) -> tuple[float, set[str]]:
-    """Seconds of the best of three tries, and the packages loaded."""
+    """Processor seconds of the best of three tries, and the packages loaded."""
     seconds, loaded = [], set()
     for _ in range(3):
         code = PROBE.format(code=STARTS[name])

@@ -11,6 +11,8 @@ import pytest
 from regframe.cli import register as command
 from regframe.io import read, write
 from regframe.report import files
+from regframe.verdict.evidence import Evidence
+from regframe.verdict.verdict import Verdict
 
 from .conftest import QUICK
 
@@ -238,3 +240,95 @@ def test_control_c_stops_a_run_in_one_line(pair, tmp_path):
     assert process.returncode == 130
     assert rest == "regframe: interrupted; no file is left half-written.\n"
     assert names(tmp_path) == ["thermal.png", "visual.png"]
+
+
+@pytest.fixture
+def judged(monkeypatch):
+    """Every result is judged by this word."""
+
+    def as_(said):
+        found = Evidence(140.0, 7, 0.1, 15.0, 0.06, 1.3, 2.0, 0.6)
+        verdict = Verdict(
+            said, probability=0.02, expected_error_px=60.0, evidence=found, reasons=("It is so.",)
+        )
+        monkeypatch.setattr("regframe.verdict.verdict.judge", lambda _: verdict)
+
+    return as_
+
+
+def test_the_verdict_is_told_with_its_reasons(pair, tmp_path, regframe, judged):
+    judged("doubtful")
+
+    outcome = regframe("register", *pair, *QUICK, "--out", tmp_path / "out", "--no-figures")
+
+    assert outcome.code == 0
+    assert "doubtful: within 5 px with a probability of 2 %, expected error 60.0 px" in outcome.out
+    assert "It is so." in outcome.out
+    assert json.loads((tmp_path / "out" / "result.json").read_text())["verdict"]["verdict"] == "doubtful"
+    assert (tmp_path / "out" / "transform.tfm").is_file()
+
+
+def test_a_failed_registration_withholds_what_scripts_pick_up(pair, tmp_path, regframe, judged):
+    judged("failed")
+
+    outcome = regframe("register", *pair, *QUICK, "--out", tmp_path / "out")
+
+    assert outcome.code == 1
+    assert names(tmp_path / "out") == sorted(("result.json", "trace.csv", *files.OVERLAYS, *files.PLOTS))
+    assert "--keep-failed" in outcome.out
+
+
+def test_a_failed_registration_replaces_the_map_of_an_earlier_one(pair, tmp_path, regframe, judged):
+    judged("good")
+    regframe("register", *pair, *QUICK, "--out", tmp_path / "out", "--no-figures")
+    judged("failed")
+
+    outcome = regframe("register", *pair, *QUICK, "--out", tmp_path / "out", "--no-figures", "--force")
+
+    assert outcome.code == 1
+    assert names(tmp_path / "out") == ["result.json", "trace.csv"]
+
+
+def test_a_failed_registration_can_be_kept(pair, tmp_path, regframe, judged):
+    judged("failed")
+
+    outcome = regframe("register", *pair, *QUICK, "--out", tmp_path / "out", "--keep-failed", "--no-figures")
+
+    assert outcome.code == 0
+    assert "failed" in outcome.out
+    assert names(tmp_path / "out") == sorted(("aligned.png", *files.DATA))
+
+
+def test_a_failed_registration_has_no_transform_in_json(pair, regframe, judged):
+    judged("failed")
+
+    outcome = regframe("register", *pair, *QUICK, "--json")
+
+    record = json.loads(outcome.out)
+    assert outcome.code == 1
+    assert record["verdict"]["verdict"] == "failed"
+    assert record["transform"] is None
+
+
+def test_quiet_begins_with_the_verdict(pair, regframe, judged):
+    judged("good")
+
+    assert regframe("register", *pair, *QUICK, "--quiet").out.startswith("good; ")
+
+
+def test_without_a_verdict_none_is_made(pair, tmp_path, regframe, monkeypatch):
+    monkeypatch.setattr("regframe.verdict.verdict.judge", lambda _: pytest.fail("it was judged"))
+
+    outcome = regframe("register", *pair, *QUICK, "--no-verdict", "--out", tmp_path / "out", "--no-figures")
+
+    assert outcome.code == 0
+    assert "\nverdict" not in outcome.out
+    assert json.loads((tmp_path / "out" / "result.json").read_text())["verdict"] is None
+    assert (tmp_path / "out" / "transform.tfm").is_file()
+
+
+def test_what_is_not_calibrated_is_not_judged(pair, regframe):
+    outcome = regframe("register", *pair, *QUICK)
+
+    assert outcome.code == 0
+    assert "unjudged: no frames of less than 96 pixels were calibrated, and one here has 48" in outcome.out

@@ -256,6 +256,7 @@ def test_dump_writes_every_default_out(base):
 
     assert whole["stages"][0]["levels"][1] == {
         "shrink": 1,
+        "fit": None,
         "smooth": 0.0,
         "iterations": 300,
         "sampling": "all",

@@ -1,0 +1,95 @@
+"""Coarser images by averaging whole blocks of pixels."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from regframe.engine.setting import Setting
+from regframe.geometry import Grid
+from regframe.image import Image
+from regframe.transforms.warp import Chain, Warp
+from regframe.types import Volume
+
+COUNTS = 0.5
+"""Share of a block's pixels that must count for the block to count."""
+
+
+def fitting(shape: tuple[int, ...], most: int) -> int:
+    """The least whole factor that leaves at most `most` points along every axis.
+
+    Examples
+    --------
+    >>> fitting((512, 640), 320), fitting((512, 641), 320), fitting((3, 4), 16)
+    (2, 3, 1)
+    """
+    return max(1, -(-max(shape) // most))
+
+
+def reduction(fixed: Grid, moving: Grid, magnification: float) -> int:
+    """Whole number of moving pixels to a fixed grid point, at least 1."""
+    return max(1, int(min(fixed.spacing) * magnification / max(moving.spacing) + 0.25))
+
+
+def magnification(warp: Warp | Chain) -> float:
+    """Moving lengths over fixed ones, about; 1 for maps that bend."""
+    affine = warp.as_affine()
+    return 1.0 if affine is None else float(abs(np.linalg.det(affine.matrix)) ** (1.0 / affine.dim))
+
+
+def fitted(
+    images: tuple[Image, Image], setting: Setting, warp: Warp | Chain, most: int
+) -> tuple[tuple[Image, Image], Setting]:
+    """Both images averaged until the domain has at most `most` points an axis, and the coarse domain.
+
+    The moving image is averaged to about the same spacing under a warp, so that both lose the same detail.
+    """
+    fixed, moving = images
+    domain, factor = setting.domain, fitting(setting.domain.shape, most)
+    below = averaged(fixed, factor)
+    coarse = below.grid if domain is fixed.grid else domain.coarsen(factor)
+    above = averaged(moving, reduction(coarse, moving.grid, magnification(warp)))
+    return (below, above), replace(setting, domain=coarse)
+
+
+def averaged(image: Image, factor: int) -> Image:
+    """The image of means over blocks of `factor` pixels along each axis, those under the mask alone.
+
+    Blocks lie about the image's middle; pixels at the border that fill no block are left out.
+
+    Examples
+    --------
+    >>> averaged(Image.of_array(np.arange(12.0).reshape(2, 6)), 2).values
+    array([[3.5, 5.5, 7.5]])
+    """
+    if factor == 1:
+        return image
+    grid = image.grid
+    shape = tuple(max(n // factor, 1) for n in grid.shape)
+    widths = tuple(min(factor, n) for n in grid.shape)
+    first = tuple((n - m * w) // 2 for n, m, w in zip(grid.shape, shape, widths, strict=True))
+    inner = tuple(slice(f, f + m * w) for f, m, w in zip(first, shape, widths, strict=True))
+    middle = np.array([f + (w - 1) / 2 for f, w in zip(first, widths, strict=True)])
+    origin = grid.points(middle[None])[0]
+    spacing = tuple(s * w for s, w in zip(grid.spacing, reversed(widths), strict=True))
+    coarse = Grid(shape, spacing, tuple(map(float, origin)), grid.direction)
+    if image.mask is None:
+        values = _blocks(np.asarray(image.values)[inner], shape, widths) / np.prod(widths)
+        return Image(np.asarray(values, np.float64), coarse, name=image.name)
+    counted = image.mask[inner]
+    mass = _blocks(counted.astype(np.float64), shape, widths)
+    total = _blocks(np.where(counted, image.values[inner], 0.0), shape, widths)
+    mask = mass >= COUNTS * np.prod(widths)
+    if not mask.any():
+        mask = mass > 0
+    return Image(total / np.maximum(mass, 1.0), coarse, mask, name=image.name)
+
+
+def _blocks(
+    values: "np.ndarray[tuple[int, ...], np.dtype[np.generic]]",
+    shape: tuple[int, ...],
+    widths: tuple[int, ...],
+) -> Volume:
+    """Sums over blocks."""
+    dim = len(shape)
+    divided = values.reshape([n for pair in zip(shape, widths, strict=True) for n in pair])
+    return np.asarray(divided.sum(axis=tuple(range(1, 2 * dim, 2)), dtype=np.float64))

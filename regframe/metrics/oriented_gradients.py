@@ -1,0 +1,164 @@
+"""Correlation of the directions in which two images change."""
+
+from typing import ClassVar, Literal, NamedTuple, final
+
+import numpy as np
+from pydantic import Field
+
+from regframe.kernels import fourier, orientation
+from regframe.kernels.orientation import Features, Settings
+from regframe.metrics.base import Metric, Pairs, Translations
+from regframe.types import Values, Volume
+
+
+@final
+class OrientedGradients(Metric):
+    """Minus the correlation of channels of unsigned gradient directions, in [-1, 1].
+
+    After Ye, Bruzzone, Shan, Bovolo and Zhu, "Fast and robust matching for multimodal remote sensing image
+    registration", IEEE Trans. Geoscience and Remote Sensing 57(11), 2019: edges count by place and
+    direction, whichever side is brighter. Gradients are smoothed as channels (so that opposite signs add),
+    divided by their length plus a share of what is usual around, and correlated with weights.
+    Departures: the channels |g . e_k| of the paper are kept as what they amount to, a length and a tensor,
+    three numbers a point in 2-D and six in 3-D; and the strength that gradients are compared with is a
+    local one. Weightless samples are left out of all smoothing. Without any edge in common weight the value
+    is 0, without weight infinite.
+    """
+
+    inner: float = Field(1.0, gt=0, le=32, description="Gaussian of the intensities, in grid points.")
+    outer: float = Field(1.5, gt=0, le=32, description="Gaussian of the channels, in grid points.")
+    local: float = Field(
+        8.0,
+        ge=0,
+        le=256,
+        description="Gaussian of the strength that gradients are compared with; 0 for the image's mean.",
+    )
+    offset: float = Field(
+        0.3, gt=0, le=100, description="Share of that strength below which an edge counts less."
+    )
+    magnitude: float = Field(
+        1.5, ge=0, le=100, description="Weight of the gradient's length beside its direction."
+    )
+
+    layout: ClassVar[Literal["points", "grid"]] = "grid"
+    suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+
+    def value(self, pairs: Pairs) -> float:
+        """Minus the weighted correlation over all channels about their means."""
+        met = self._meet(pairs)
+        return float("inf") if met is None else met.value
+
+    def derivative(self, pairs: Pairs) -> Values:
+        """Slope of the value by each moving intensity."""
+        return self.value_and_derivative(pairs)[1]
+
+    def value_and_derivative(self, pairs: Pairs) -> tuple[float, Values]:
+        """The value, and its slope by each moving intensity.
+
+        By the channels, d value / d m = -w (f' - value' m' (f' . f' / m' . m')...) / (|f'| |m'|), primes
+        about the weighted means; from there `orientation.back` walks to the intensities.
+        """
+        met = self._meet(pairs)
+        if met is None:
+            return float("inf"), np.zeros_like(pairs.moving)
+        forces = met.weight * (met.fixed * met.by_fixed + met.moving * met.by_moving)
+        slopes = orientation.back(forces, met.made, self._settings(pairs.moving_range))
+        return met.value, slopes.ravel()
+
+    def prepare(self, pairs: Pairs) -> object:
+        """Channels of the fixed image."""
+        return self._features(pairs.fixed, pairs, pairs.fixed_range)
+
+    def translations(self, pairs: Pairs, lattice: tuple[int, ...]) -> Translations:
+        """Correlations at all translations: channels about their means over the whole image, by FFT."""
+        shape = pairs.shape or pairs.weight.shape
+        planes = (1,) * (3 - len(shape)) + tuple(lattice)
+        made = self._features(pairs.fixed, pairs, pairs.fixed_range)
+        fixed = fourier.spectra(_stack(made, pairs.weight.reshape(made.trust.shape)), planes)
+        settings = self._settings(pairs.moving_range)
+
+        def score(moving: Volume, weight: Volume) -> tuple[Volume, Volume]:
+            volume = (1,) * (3 - moving.ndim) + moving.shape
+            there = orientation.features(moving.reshape(volume), weight.reshape(volume), settings)
+            above = fourier.spectra(_stack(there, weight.reshape(volume)), planes)
+            pairs_of = (
+                (slice(2, None), slice(2, None)),
+                (slice(1, 2), slice(0, 1)),
+                (slice(0, 1), slice(1, 2)),
+            )
+            both, below_power, above_power = (
+                fourier.correlate(fixed[one], above[other], planes) for one, other in pairs_of
+            )
+            shared = fourier.correlate(fixed[:1], above[:1], planes)
+            powers = np.maximum(below_power, 0.0) * np.maximum(above_power, 0.0)
+            floor = FAINT * float(powers.max()) + TINY
+            values = -both / np.sqrt(np.maximum(powers, floor))
+            return np.asarray(values.reshape(lattice), np.float64), np.asarray(
+                shared.reshape(lattice), np.float64
+            )
+
+        return score
+
+    def _meet(self, pairs: Pairs) -> "Met | None":
+        fixed = pairs.prepared
+        if not isinstance(fixed, Features):
+            fixed = self._features(pairs.fixed, pairs, pairs.fixed_range)
+        made = self._features(pairs.moving, pairs, pairs.moving_range)
+        weight = pairs.weight.reshape(made.trust.shape) * fixed.trust * made.trust
+        mass = float(weight.sum())
+        if not mass:
+            return None
+        below, above = _centred(fixed.units, weight, mass), _centred(made.units, weight, mass)
+        both = float(np.sum(weight * below * above))
+        powers = float(np.sum(weight * below * below)) * float(np.sum(weight * above * above))
+        if powers <= TINY * mass * mass:
+            return Met(0.0, below, above, weight, made, 0.0, 0.0)
+        norm = powers**-0.5
+        slope = both * norm / float(np.sum(weight * above * above))
+        return Met(-both * norm, below, above, weight, made, -norm, slope)
+
+    def _features(self, values: Values, pairs: Pairs, span: tuple[float, float]) -> Features:
+        shape = _planes(pairs)
+        return orientation.features(values.reshape(shape), pairs.weight.reshape(shape), self._settings(span))
+
+    def _settings(self, span: tuple[float, float]) -> Settings:
+        flat = FLAT * (span[1] - span[0]) + ROUNDING * max(abs(span[0]), abs(span[1])) + TINY
+        return Settings(self.inner, self.outer, self.local, self.offset, self.magnitude, flat)
+
+
+TINY = 1e-20
+FAINT = 1e-4
+"""Of the largest power of two overlapping images: less is rounding noise of single precision."""
+FLAT = 1e-4
+"""Of the range: gradients below this have no direction."""
+ROUNDING = 1e-9
+"""Of the largest intensity: what smoothing may leave of a constant image."""
+
+
+class Met(NamedTuple):
+    """The channels of both images about their means, and what they have in common."""
+
+    value: float
+    fixed: Volume
+    moving: Volume
+    weight: Volume
+    made: Features
+    by_fixed: float
+    by_moving: float
+
+
+def _planes(pairs: Pairs) -> tuple[int, ...]:
+    shape = pairs.shape or pairs.weight.shape  # layout "grid" always has a shape
+    return (1,) * (3 - len(shape)) + tuple(shape)
+
+
+def _stack(made: Features, weight: Volume) -> Volume:
+    """Weight, power and channels about their means, all times weight: what is correlated by FFT."""
+    mass = weight * made.trust
+    units = _centred(made.units, mass, max(float(mass.sum()), TINY))
+    return np.concatenate([mass[None], (mass * np.sum(units * units, axis=0))[None], mass * units])
+
+
+def _centred(units: Volume, weight: Volume, mass: float) -> Volume:
+    means = np.sum(weight * units, axis=(1, 2, 3), keepdims=True) / mass
+    return np.asarray(units - means)

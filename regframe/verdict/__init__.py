@@ -1,0 +1,1 @@
+"""How far a found map can be trusted, and why."""

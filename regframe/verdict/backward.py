@@ -1,0 +1,47 @@
+"""The same search from the moving image to the fixed one: an answer that knows nothing of the first."""
+
+from typing import TYPE_CHECKING
+
+from regframe.engine.native import Native
+from regframe.errors import RegframeError
+from regframe.preset import Preset, Search, Stage
+from regframe.preset.model import Filters
+from regframe.transforms.warp import Chain, Warp
+
+if TYPE_CHECKING:
+    from regframe.engine.base import Result
+
+
+def searches(preset: Preset) -> bool:
+    """Whether a preset looks everywhere first, so that a second run is a second opinion."""
+    return isinstance(preset.stages[0].start, Search)
+
+
+def search(result: "Result") -> Warp | Chain | None:
+    """What a result's preset finds from its moving to its fixed image; None where it finds nothing."""
+    steps = Native().iterate(turned(result.preset), result.moving, result.fixed)
+    try:
+        while True:
+            next(steps)
+    except StopIteration as end:
+        back: Result = end.value
+        return back.warp
+    except RegframeError:
+        return None
+
+
+def turned(preset: Preset) -> Preset:
+    """The preset for exchanged images: each keeps its filters, and the bounds hold for the inverse map."""
+    filters = Filters(fixed=preset.filters.moving, moving=preset.filters.fixed)
+    stages = tuple(_turned(stage) for stage in preset.stages)
+    return preset.model_copy(update={"filters": filters, "stages": stages})
+
+
+def _turned(stage: Stage) -> Stage:
+    start = stage.start
+    if not isinstance(start, Search):
+        return stage
+    low, high = start.scale
+    views = start.fields_of_view_deg
+    changes = {"scale": (1.0 / high, 1.0 / low), "fields_of_view_deg": views and (views[1], views[0])}
+    return stage.model_copy(update={"start": start.model_copy(update=changes)})
