@@ -96,7 +96,7 @@ class _Run:
             trace: list[Progress] = []
             warp, report = yield from level.walk(self.pyramid, place.found, rng, trace, self.began, number)
             walked.append((place.walked(warp, report.value), report, trace))
-        walked.sort(key=lambda one: one[1].value)
+        walked.sort(key=lambda one: one[0].rank(level.stage.metric))
         self.reports.append(walked[0][1])
         self.trace += walked[0][2]
         ranked = (*(one for one, _, _ in walked), *places[level.kept :])

@@ -64,7 +64,7 @@ def search(stage: Stage, pyramid: Pyramid, setting: Setting) -> tuple[Place, ...
     places = [(scale, angle) for angle in field.turns() for scale in scales]
     found: list[list[Place]] = [[] for _ in places]
     share(partial(_score_places, places, found), len(places))
-    ranked = sorted((one for few in found for one in few), key=lambda one: one.value)
+    ranked = sorted((one for few in found for one in few), key=lambda one: one.rank(stage.metric))
     if not ranked:
         message = (
             f"start: no shift within {options.shift:g} of the frame lets the images overlap by "

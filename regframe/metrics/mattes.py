@@ -5,9 +5,14 @@ from typing import ClassVar, Literal, final
 import numpy as np
 from pydantic import Field
 
-from regframe.metrics.base import Metric, Pairs
+from regframe.kernels import cross_information
+from regframe.kernels.fourier import spectra
+from regframe.metrics.base import Metric, Pairs, Translations
 from regframe.metrics.parzen_histogram import Axes, axes, counts, joint_of, slopes_of
-from regframe.types import Matrix, Values
+from regframe.types import Matrix, Values, Volume
+
+CLASSES = 8
+"""Of intensity, in place of bins, where all translations are scored at once."""
 
 
 @final
@@ -25,6 +30,7 @@ class Mattes(Metric):
 
     range_of: ClassVar[Literal["image", "samples"]] = "samples"
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+    unrelated: ClassVar[float | None] = 0.0
     invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     def prepare(self, pairs: Pairs) -> Axes:
@@ -54,6 +60,21 @@ class Mattes(Metric):
         joint, mass = joint_of(pairs, self.bins)
         log = np.log(np.divide(joint, joint.sum(axis=0), out=np.ones_like(joint), where=counts(joint)))
         return _negative_information(joint), slopes_of(pairs, self.bins, -log, mass)
+
+    def translations(self, pairs: Pairs, lattice: tuple[int, ...]) -> Translations:
+        """Mutual information of a few classes of intensity at all translations, by FFT."""
+        shape = pairs.shape or pairs.weight.shape
+        values, weight = pairs.fixed.reshape(shape), pairs.weight.reshape(shape)
+        below = cross_information.edges(values, weight, CLASSES)
+        fixed = spectra(cross_information.classes(values, weight, below), lattice)
+
+        def score(moving: Volume, weight: Volume) -> tuple[Volume, Volume]:
+            above = cross_information.edges(moving, weight, CLASSES)
+            met = cross_information.classes(moving, weight, above)
+            found, shared = cross_information.information(fixed, met, lattice)
+            return -np.asarray(found, np.float64), np.asarray(shared, np.float64)
+
+        return score
 
 
 def _negative_information(joint: Matrix) -> float:
