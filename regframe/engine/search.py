@@ -25,6 +25,8 @@ from regframe.types import Params, Points, Volume
 
 EACH = 3
 """Shifts that are kept of each rotation and scale."""
+NEAR = 4
+"""Grid points between these shifts, along either axis."""
 APART = 6.0
 """Grid points between corners, on average, from which on two places are distinct."""
 WHOLE = 0.99
@@ -190,7 +192,7 @@ class _Scale:
             shift = field.grid.index_to_point.matrix @ np.array([off[1][x], off[0][y]], np.float64)
             affine = centred @ AffineMap(np.eye(2), shift)
             warp = placed_on(field.stage, affine, field.moving.grid, field.setting)
-            found.append(Place(warp, warp, float(bounded[y, x]), float(overlap[y, x])))
+            found.append(Place(warp, warp, float(scored[y, x]), float(overlap[y, x])))
         return found
 
     def _centred(self, angle: float) -> AffineMap:
@@ -250,13 +252,16 @@ def _outline(grid: Grid) -> Points:
 
 
 def _lowest(values: Volume, most: int) -> Iterator[tuple[int, int]]:
-    """Places of the lowest local minima, of 3 by 3 neighbours, at most so many."""
-    around = np.minimum.reduce([np.roll(values, shift, (0, 1)) for shift in product((-1, 0, 1), repeat=2)])
-    places = np.flatnonzero((values == around) & np.isfinite(values))
-    order = np.argsort(values.ravel()[places], kind="stable")[:most]
-    for place in places[order]:
-        y, x = divmod(int(place), values.shape[1])
+    """Places of the lowest values, at most so many, none within `NEAR` of one before; changes `values`."""
+    for _ in range(most):
+        y, x = divmod(int(values.argmin()), values.shape[1])
+        if not np.isfinite(values[y, x]):
+            return
         yield y, x
+        rows, columns = (
+            np.arange(at - NEAR, at + NEAR + 1) % n for at, n in zip((y, x), values.shape, strict=True)
+        )
+        values[np.ix_(rows, columns)] = np.inf
 
 
 def _window(volume: Volume, offset: tuple[int, int], shape: tuple[int, ...]) -> Params:
