@@ -6,7 +6,7 @@ each image is cut into a few classes of intensity; the joint histogram at a tran
 of the classes' masks there.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,30 @@ from regframe.types import Values, Volume
 
 FEW = 1e-3
 """Points of a joint class below which it is taken for the rounding noise of single precision."""
+CLASSES = 8
+"""Of intensity, each of about equally many points."""
+
+
+def scorer(
+    values: Volume, weight: Volume, lattice: Sequence[int]
+) -> Callable[[Volume, Volume], tuple[Volume, Volume]]:
+    """From a moving image and its weights to minus the information, and the joint weight, of a fixed image.
+
+    Parameters
+    ----------
+    values, weight : arrays of one shape
+        The fixed image.
+    lattice : tuple of int
+        Shape of the translations.
+    """
+    fixed = spectra(classes(values, weight, edges(values, weight, CLASSES)), lattice)
+
+    def score(moving: Volume, there: Volume) -> tuple[Volume, Volume]:
+        met = classes(moving, there, edges(moving, there, CLASSES))
+        found, shared = information(fixed, met, lattice)
+        return -np.asarray(found, np.float64), np.asarray(shared, np.float64)
+
+    return score
 
 
 def classes(values: Volume, weight: Volume, edges: Values) -> Volume:

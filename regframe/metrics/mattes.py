@@ -6,13 +6,9 @@ import numpy as np
 from pydantic import Field
 
 from regframe.kernels import cross_information
-from regframe.kernels.fourier import spectra
 from regframe.metrics.base import Metric, Pairs, Translations
 from regframe.metrics.parzen_histogram import Axes, axes, counts, joint_of, slopes_of
-from regframe.types import Matrix, Values, Volume
-
-CLASSES = 8
-"""Of intensity, in place of bins, where all translations are scored at once."""
+from regframe.types import Matrix, Values
 
 
 @final
@@ -64,17 +60,7 @@ class Mattes(Metric):
     def translations(self, pairs: Pairs, lattice: tuple[int, ...]) -> Translations:
         """Mutual information of a few classes of intensity at all translations, by FFT."""
         shape = pairs.shape or pairs.weight.shape
-        values, weight = pairs.fixed.reshape(shape), pairs.weight.reshape(shape)
-        below = cross_information.edges(values, weight, CLASSES)
-        fixed = spectra(cross_information.classes(values, weight, below), lattice)
-
-        def score(moving: Volume, weight: Volume) -> tuple[Volume, Volume]:
-            above = cross_information.edges(moving, weight, CLASSES)
-            met = cross_information.classes(moving, weight, above)
-            found, shared = cross_information.information(fixed, met, lattice)
-            return -np.asarray(found, np.float64), np.asarray(shared, np.float64)
-
-        return score
+        return cross_information.scorer(pairs.fixed.reshape(shape), pairs.weight.reshape(shape), lattice)
 
 
 def _negative_information(joint: Matrix) -> float:
