@@ -54,11 +54,25 @@ def search(stage: Stage, pyramid: Pyramid, setting: Setting) -> tuple[Place, ...
     NoOverlapError
         No shift within the bounds lets the images overlap enough.
     """
-    options = stage.start
+    options, ranked = stage.start, tried(stage, pyramid, setting)
     assert isinstance(options, Search)
-    fixed = pyramid.images[0]
-    if fixed.dim != 2:
-        message = f"start: a search is for 2-D images. Got {fixed.dim}-D. Begin with centres or moments."
+    if not ranked:
+        message = (
+            f"start: no shift within {options.shift:g} of the frame lets the images overlap by "
+            f"{options.overlap:g}. Widen `shift`, or lower `overlap`."
+        )
+        raise NoOverlapError(message)
+    fixed = pyramid.images[0].grid
+    apart = APART * min(fixed.spacing) * fitting(fixed.shape, options.size)
+    return distinct(ranked, options.keep[0], setting.domain, apart)
+
+
+def tried(stage: Stage, pyramid: Pyramid, setting: Setting) -> list[Place]:
+    """The best few shifts of every rotation and scale, sorted; see `search`."""
+    options, dim = stage.start, pyramid.images[0].dim
+    assert isinstance(options, Search)
+    if dim != 2:
+        message = f"start: a search is for 2-D images. Got {dim}-D. Begin with centres or moments."
         raise GeometryError(message)
     field = _Field(stage, options, pyramid, setting)
     scales = [_Scale(field, scale) for scale in field.scales()]
@@ -66,14 +80,7 @@ def search(stage: Stage, pyramid: Pyramid, setting: Setting) -> tuple[Place, ...
     places = [(scale, angle) for angle in field.turns() for scale in scales]
     found: list[list[Place]] = [[] for _ in places]
     share(partial(_score_places, places, found), len(places))
-    ranked = sorted((one for few in found for one in few), key=lambda one: one.rank(stage.metric))
-    if not ranked:
-        message = (
-            f"start: no shift within {options.shift:g} of the frame lets the images overlap by "
-            f"{options.overlap:g}. Widen `shift`, or lower `overlap`."
-        )
-        raise NoOverlapError(message)
-    return distinct(ranked, options.keep[0], setting.domain, APART * min(field.grid.spacing))
+    return sorted((one for few in found for one in few), key=lambda one: one.rank(stage.metric))
 
 
 def _score_places(
