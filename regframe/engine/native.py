@@ -16,7 +16,7 @@ from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
 from regframe.engine.scene import Scene, prepare
 from regframe.engine.search import search
-from regframe.engine.setting import Placement, Setting, begun, opened
+from regframe.engine.setting import Placement, Setting, begun, opened, taken_up
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
@@ -172,6 +172,7 @@ class _Level:
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
+        warp = taken_up(warp, self.setting, self.level)
         scene, self.next_seed = self.scene(pyramid, warp)
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, pyramid.images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
@@ -186,9 +187,9 @@ class _Level:
                 stop = str(end.value)
                 break
             at = problem.whole(step.params)
-            when = (count, perf_counter() - began, candidate)
-            trace.append(self.progress(step, objective, at, *when))
-            yield trace[-1]
+            progress = self.progress(step, objective, at, count, perf_counter() - began, candidate)
+            trace.append(progress.kept())
+            yield progress
         steps.close()
         found = Warp(warp.transform, objective.settled(at), warp.frame)
         return found, self.report(
@@ -238,6 +239,7 @@ class _Level:
             stop=stop,
             seconds=seconds,
             params=tuple(map(float, found.params)),
+            frame=found.frame,
         )
 
 

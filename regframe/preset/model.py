@@ -99,6 +99,16 @@ class Level(Record):
         json_schema_extra={"exclusiveMinimum": 0, "maximum": 1},
     )
 
+    refine: int | None = Field(
+        None,
+        ge=1,
+        strict=True,
+        description=(
+            "Cells of a B-spline's mesh at this level, as a multiple of the transform's `mesh`; the new "
+            "control points keep the motion found at them. None leaves the mesh as it is."
+        ),
+    )
+
     @field_validator("fraction", mode="before")
     @classmethod
     def _check_fraction(cls, met: object) -> object:
@@ -201,6 +211,21 @@ class Stage(Record):
             f"{list(self.weights)!r}. Write frozen = [...] with the names of parameters that must stay."
         )
         raise raised([fault(("weights",), text, self.weights)])
+
+    @model_validator(mode="after")
+    def _check_refine(self) -> Self:
+        if self.transform.refines:
+            return self
+        name = TRANSFORMS.name_of(self.transform)
+        text = f"the transform {name!r} has no mesh to refine. Leave it out, or choose bspline."
+        faults = [
+            fault(("levels", i, "refine"), f"{text} Got {level.refine}.", level.refine)
+            for i, level in enumerate(self.levels)
+            if level.refine is not None
+        ]
+        if faults:
+            raise raised(faults)
+        return self
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:

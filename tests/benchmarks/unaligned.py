@@ -12,10 +12,10 @@ from time import perf_counter
 import numpy as np
 from benchmarks.cases import DATA
 from benchmarks.made import ROOT, put
-from support.raw_pairs import raw_pairs
 
 from regframe import register
 from regframe.errors import RegframeError
+from support.raw_pairs import raw_pairs
 
 PAGE = ROOT / "docs" / "explanation" / "visual-thermal.md"
 SOURCES = ("roadscene_raw", "metu_vistir_raw", "flir_landmarks")
