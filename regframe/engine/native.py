@@ -81,10 +81,10 @@ class _Run:
         self.last: LevelReport | None = None
 
     def earned(self, trial: "_Trial", simpler: Warp) -> bool:
-        """Whether the stage's map stays; asked of stages that need evidence."""
-        if trial.stage.evidence is not None:
+        """Whether the stage's map stays; asked of stages that need proof."""
+        if trial.stage.proof is not None:
             self.choices.append(trial.choice(self.pyramid, simpler))
-        kept = trial.stage.evidence is None or self.choices[-1].kept
+        kept = trial.stage.proof is None or self.choices[-1].kept
         self.last = self.reports[-1] if kept or self.last is None else self.last
         return kept
 
@@ -259,7 +259,7 @@ class _Trial:
         gains = held_out_gains(
             lambda part: self.fitted(Pyramid(part, moving), simpler), fixed, whole, simpler.params
         )
-        return chosen(self.number, gains, self.stage.evidence or 0.0)
+        return chosen(self.number, gains, self.stage.proof or 0.0)
 
     def fitted(self, pyramid: Pyramid, warp: Warp) -> Warp:
         """Where the stage ends with other images."""
