@@ -16,7 +16,7 @@ from regframe.errors import NoTwin, RegframeError
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
 from regframe.metrics.base import Metric
-from regframe.peer import components, probe, twins, whole
+from regframe.peer import agreement_settings, components, probe, twins, whole
 from regframe.peer.bench import Bench
 from regframe.peer.report import largest
 from regframe.preset import Level, Preset, Stage
@@ -67,7 +67,7 @@ def bound(difference: float) -> float:
 
 
 def table() -> str:
-    """All components that regframe ships, by kind."""
+    """All components that regframe ships, by kind, and the settings of stages and calls."""
     parts = []
     for kind, rows in sections().items():
         parts += [f"### {kind.capitalize()}\n", HEAD, *(row.text() for row in rows), ""]
@@ -91,6 +91,7 @@ def sections() -> dict[str, list[Row]]:
         shipped = [name for name in registry.names() if registry.origin(name) == "regframe"]
         made = [(name, registry.build({"type": name, **OPTIONS.get(name, {})})) for name in shipped]
         found[kind] = [_row(name, ours, measure, theirs) for name, ours in made]
+    found["settings"] = [Row(*case) for case in agreement_settings.measured((_dim2(), _dim3()))]
     return found
 
 

@@ -7,6 +7,7 @@ import pytest
 from house.source import REPOSITORY
 from regframe.catalog import INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
 from regframe.peer.agreement import NONE, Row, rows
+from regframe.peer.agreement_settings import CASES, STARTS
 
 PAGE = REPOSITORY / "docs" / "explanation" / "agreement.md"
 LINE = re.compile(r"^\| `(?P<name>[a-z0-9-]+)` \| (?P<cells>.+) \|$", re.MULTILINE)
@@ -16,6 +17,7 @@ SHIPPED = [
     for name in registry.names()
     if registry.origin(name) == "regframe"
 ]
+SHIPPED += [*(case.name for case in CASES), *STARTS]
 EXACT = 1e-12  # what is equal in every bit here may not be with another library of sines
 
 
