@@ -72,6 +72,7 @@ OPTIMIZERS: "Registry[Optimizer]" = Registry(
     "regframe.optimizers.base:Optimizer",
     {
         "amoeba": "regframe.optimizers.amoeba:Amoeba",
+        "bfgs": "regframe.optimizers.bfgs:Bfgs",
         "conjugate-gradient-line-search": (
             "regframe.optimizers.conjugate_gradient_line_search:ConjugateGradientLineSearch"
         ),
@@ -81,6 +82,8 @@ OPTIMIZERS: "Registry[Optimizer]" = Registry(
             "regframe.optimizers.gradient_descent_line_search:GradientDescentLineSearch"
         ),
         "lbfgsb": "regframe.optimizers.lbfgsb:Lbfgsb",
+        "multi-start": "regframe.optimizers.multi_start:MultiStart",
+        "nelder-mead": "regframe.optimizers.nelder_mead:NelderMead",
         "one-plus-one": "regframe.optimizers.one_plus_one:OnePlusOne",
         "powell": "regframe.optimizers.powell:Powell",
         "regular-step-gradient-descent": (

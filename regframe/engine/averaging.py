@@ -31,23 +31,42 @@ def reduction(fixed: Grid, moving: Grid, magnification: float) -> int:
 
 
 def magnification(warp: Warp | Chain) -> float:
-    """Moving lengths over fixed ones, about; 1 for maps that bend."""
+    """Moving lengths over fixed ones, about; of maps that are not affine in the fixed image's middle."""
     affine = warp.as_affine()
-    return 1.0 if affine is None else float(abs(np.linalg.det(affine.matrix)) ** (1.0 / affine.dim))
+    if affine is not None:
+        return float(abs(np.linalg.det(affine.matrix)) ** (1.0 / affine.dim))
+    grid = warp.frame.grid
+    steps = min(grid.spacing) / 2 * np.eye(grid.dim)
+    slopes = (warp(grid.centre + steps) - warp(grid.centre - steps)) / min(grid.spacing)
+    return float(abs(np.linalg.det(slopes)) ** (1.0 / grid.dim))
+
+
+class Pyramid:
+    """Two images, and their averages as they are asked for."""
+
+    def __init__(self, fixed: Image, moving: Image) -> None:
+        self.images = fixed, moving
+        self._made: dict[tuple[int, int], Image] = {}
+
+    def averaged(self, which: int, factor: int) -> Image:
+        """The fixed (0) or moving (1) image averaged over `factor` pixels along each axis."""
+        if (which, factor) not in self._made:
+            self._made[which, factor] = averaged(self.images[which], factor)
+        return self._made[which, factor]
 
 
 def fitted(
-    images: tuple[Image, Image], setting: Setting, warp: Warp | Chain, most: int
+    pyramid: Pyramid, setting: Setting, warp: Warp | Chain, most: int
 ) -> tuple[tuple[Image, Image], Setting]:
     """Both images averaged until the domain has at most `most` points an axis, and the coarse domain.
 
     The moving image is averaged to about the same spacing under a warp, so that both lose the same detail.
     """
-    fixed, moving = images
+    fixed, moving = pyramid.images
     domain, factor = setting.domain, fitting(setting.domain.shape, most)
-    below = averaged(fixed, factor)
+    below = pyramid.averaged(0, factor)
     coarse = below.grid if domain is fixed.grid else domain.coarsen(factor)
-    above = averaged(moving, reduction(coarse, moving.grid, magnification(warp)))
+    above = pyramid.averaged(1, reduction(coarse, moving.grid, magnification(warp)))
     return (below, above), replace(setting, domain=coarse)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from regframe.component import Component
 from regframe.engine.candidate import Candidate
+from regframe.engine.choice import Choice
 from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap
@@ -101,6 +102,8 @@ class Result:
         Where the first stage began.
     candidates : tuple of Candidate
         What a search found, the one that went on first; then those that came furthest, the best first.
+    choices : tuple of Choice
+        Of each stage that needed evidence, whether its map was kept and why.
     """
 
     warp: Warp | Chain
@@ -114,6 +117,7 @@ class Result:
     trace: tuple[Progress, ...] = field(repr=False, default=())
     start: Warp | Chain | None = field(repr=False, default=None)
     candidates: tuple[Candidate, ...] = field(repr=False, default=())
+    choices: tuple[Choice, ...] = field(repr=False, default=())
 
     @property
     def pixel_map(self) -> AffineMap:

@@ -4,11 +4,13 @@ from collections.abc import Generator, Mapping
 from time import perf_counter
 from typing import Any, final
 
-from regframe.engine.averaging import fitted
+from regframe.engine.averaging import Pyramid, fitted
 from regframe.engine.base import Engine, LevelReport, Progress, Result
 from regframe.engine.candidate import Candidate, Place
+from regframe.engine.choice import Choice
 from regframe.engine.followed import followed
 from regframe.engine.freedom import shown
+from regframe.engine.keeping import chosen, held_out_gains
 from regframe.engine.objective import Objective
 from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
@@ -37,7 +39,7 @@ class Native(Engine):
         began = perf_counter()
         check_images(preset, fixed, moving)
         given, fixed, moving = (fixed, moving), *filtered(preset, fixed, moving)
-        run = _Run((fixed, moving), began)
+        run = _Run(Pyramid(fixed, moving), began)
         place = Placement.of(start)
         setting, before = opened(place, fixed), place.start
         first: Warp | Chain | None = None
@@ -46,31 +48,44 @@ class Native(Engine):
             warp = begin(stage, fixed, moving, before, setting)
             first = first or setting.whole(warp)
             rng, seed = stage.optimizer.normals(preset.seed), preset.seed
-            places = searched(stage, fixed, moving, warp, setting)
+            places = searched(stage, run.pyramid, warp, setting)
             for depth in range(len(stage.levels)):
                 level = _Level(stage, setting, (number, depth), seed)
                 places = yield from run.level(level, places, rng)
                 seed = level.next_seed
-            before = warp = places[0].found
+            simpler, warp = warp, places[0].found
+            if not run.earned(_Trial(stage, setting, number, preset.seed), simpler):
+                warp = before if isinstance(before, Warp) else simpler
+            before = warp
         facts = provenance(preset, *given, seconds=perf_counter() - began)
         return run.result(setting.whole(warp), preset, facts, given, first)
 
 
-def searched(stage: Stage, fixed: Image, moving: Image, warp: Warp, setting: Setting) -> tuple[Place, ...]:
+def searched(stage: Stage, pyramid: Pyramid, warp: Warp, setting: Setting) -> tuple[Place, ...]:
     """Where a stage's first level begins: one place, or those that a search found."""
     if isinstance(stage.start, Search):
-        return search(stage, fixed, moving, setting)
+        return search(stage, pyramid, setting)
     return (Place(warp, warp),)
 
 
 class _Run:
     """What grows while a preset is run."""
 
-    def __init__(self, images: tuple[Image, Image], began: float) -> None:
-        self.images, self.began = images, began
+    def __init__(self, pyramid: Pyramid, began: float) -> None:
+        self.pyramid, self.began = pyramid, began
         self.trace: list[Progress] = []
         self.reports: list[LevelReport] = []
         self.candidates: tuple[Candidate, ...] = ()
+        self.choices: list[Choice] = []
+        self.last: LevelReport | None = None
+
+    def earned(self, trial: "_Trial", simpler: Warp) -> bool:
+        """Whether the stage's map stays; asked of stages that need evidence."""
+        if trial.stage.evidence is not None:
+            self.choices.append(trial.choice(self.pyramid, simpler))
+        kept = trial.stage.evidence is None or self.choices[-1].kept
+        self.last = self.reports[-1] if kept or self.last is None else self.last
+        return kept
 
     def level(
         self, level: "_Level", places: tuple[Place, ...], rng: Normals
@@ -79,7 +94,7 @@ class _Run:
         walked: list[tuple[Place, LevelReport, list[Progress]]] = []
         for number, place in enumerate(places[: level.kept]):
             trace: list[Progress] = []
-            warp, report = yield from level.walk(self.images, place.found, rng, trace, self.began, number)
+            warp, report = yield from level.walk(self.pyramid, place.found, rng, trace, self.began, number)
             walked.append((place.walked(warp, report.value), report, trace))
         walked.sort(key=lambda one: one[1].value)
         self.reports.append(walked[0][1])
@@ -98,9 +113,9 @@ class _Run:
         first: Warp | Chain | None,
     ) -> Result:
         """What was found."""
-        last = self.reports[-1]
+        last = self.last or self.reports[-1]
         seen = (tuple(self.reports), preset, facts, *given, tuple(self.trace))
-        return Result(warp, last.value, last.stop, *seen, first, self.candidates)
+        return Result(warp, last.value, last.stop, *seen, first, self.candidates, tuple(self.choices))
 
 
 class _Level:
@@ -125,7 +140,7 @@ class _Level:
 
     def walk(
         self,
-        images: tuple[Image, Image],
+        pyramid: Pyramid,
         warp: Warp,
         rng: Normals,
         trace: list[Progress],
@@ -134,8 +149,8 @@ class _Level:
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
-        scene, self.next_seed = self.scene(images, warp)
-        space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, images[1].grid)
+        scene, self.next_seed = self.scene(pyramid, warp)
+        space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, pyramid.images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
         problem = shown(objective, self.stage, at, space.free)
         steps = self.stage.optimizer.steps(problem, at[problem.free], rng)
@@ -157,11 +172,11 @@ class _Level:
             scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
         )
 
-    def scene(self, images: tuple[Image, Image], warp: Warp) -> tuple[Scene, int]:
+    def scene(self, pyramid: Pyramid, warp: Warp) -> tuple[Scene, int]:
         """The level's scene, and the sampling seed of the next level."""
-        setting = self.setting
+        images, setting = pyramid.images, self.setting
         if self.level.fit is not None:
-            images, setting = fitted(images, setting, setting.onward(warp), self.level.fit)
+            images, setting = fitted(pyramid, setting, setting.onward(warp), self.level.fit)
         return prepare(self.stage, self.level, *images, self.seed, setting)
 
     def progress(
@@ -195,6 +210,40 @@ class _Level:
             seconds=seconds,
             params=tuple(map(float, found.params)),
         )
+
+
+class _Trial:
+    """A stage fitted again on parts of the image, to judge it on the others."""
+
+    def __init__(self, stage: Stage, setting: Setting, number: int, seed: int) -> None:
+        self.stage, self.setting, self.number, self.seed = stage, setting, number, seed
+
+    def choice(self, pyramid: Pyramid, simpler: Warp) -> Choice:
+        """Whether the stage's map earns its keep over the one that it began from."""
+        fixed, moving = pyramid.images
+        last = _Level(self.stage, self.setting, (self.number, len(self.stage.levels) - 1), self.seed)
+        scene, _ = last.scene(pyramid, simpler)
+        space, _ = coordinates(last.stage, simpler.params, simpler.frame, scene.grid, moving.grid)
+        whole = Objective(last.stage, scene, simpler.frame, space)
+        gains = held_out_gains(
+            lambda part: self.fitted(Pyramid(part, moving), simpler), fixed, whole, simpler.params
+        )
+        return chosen(self.number, gains, self.stage.evidence or 0.0)
+
+    def fitted(self, pyramid: Pyramid, warp: Warp) -> Warp:
+        """Where the stage ends with other images."""
+        rng, seed = self.stage.optimizer.normals(self.seed), self.seed
+        for depth in range(len(self.stage.levels)):
+            level = _Level(self.stage, self.setting, (self.number, depth), seed)
+            steps = level.walk(pyramid, warp, rng, [], 0.0, 0)
+            while True:
+                try:
+                    next(steps)
+                except StopIteration as end:
+                    warp, _ = end.value
+                    break
+            seed = level.next_seed
+        return warp
 
 
 def filtered(preset: Preset, fixed: Image, moving: Image) -> tuple[Image, Image]:

@@ -137,6 +137,8 @@ def _exact_places(
         points = grid.points(indices)
         return fixed.indices(points if below is None else below(points))
 
+    if grid is fixed and below is None and samples.indices is None:
+        return None, samples
     if samples.indices is not None:
         return None, Samples(fixed.shape, exact(samples.indices))
     index_map = (fixed.point_to_index @ grid.index_to_point).reversed_axes()

@@ -1,46 +1,47 @@
 """A start by search: every rotation, scale and shift within bounds, coarsely."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from regframe.engine.averaging import averaged, fitting, magnification, reduction
+from regframe.engine.averaging import Pyramid, fitting, magnification, reduction
 from regframe.engine.candidate import Place
 from regframe.engine.setting import Setting
 from regframe.engine.start import base_scale, placed_on
 from regframe.errors import GeometryError, NoOverlapError
 from regframe.geometry import AffineMap, Frame, Grid
-from regframe.image import Image
 from regframe.interpolators.base import Samples
 from regframe.interpolators.linear import Linear
 from regframe.kernels.fourier import lattice
 from regframe.kernels.jit import share
-from regframe.metrics.base import Pairs, Translations
+from regframe.metrics.base import Pairs
 from regframe.preset import Search, Stage
 from regframe.transforms.linear import about, turn
 from regframe.types import Params, Points, Volume
 
 EACH = 3
 """Shifts that are kept of each rotation and scale."""
-APART = 3.0
+APART = 6.0
 """Grid points between corners, on average, from which on two places are distinct."""
+WHOLE = 0.99
+"""Mask interpolated between pixels that count; less is touched by one that does not."""
 STRIDE = 2
 """Grid points between shifts where they are measured one by one."""
 
 
-def search(stage: Stage, fixed: Image, moving: Image, setting: Setting) -> tuple[Place, ...]:
+def search(stage: Stage, pyramid: Pyramid, setting: Setting) -> tuple[Place, ...]:
     """Distinct places, the best first; as many as the first level is to keep.
 
     Parameters
     ----------
     stage : Stage
         Whose `start` is a Search.
-    fixed, moving : Image
-        After their filters.
+    pyramid : Pyramid
+        Both images, after their filters.
     setting : Setting
         Whose domain the places speak of.
 
@@ -53,13 +54,16 @@ def search(stage: Stage, fixed: Image, moving: Image, setting: Setting) -> tuple
     """
     options = stage.start
     assert isinstance(options, Search)
+    fixed = pyramid.images[0]
     if fixed.dim != 2:
         message = f"start: a search is for 2-D images. Got {fixed.dim}-D. Begin with centres or moments."
         raise GeometryError(message)
-    field = _Field(stage, options, (fixed, moving), setting)
-    places = field.places()
+    field = _Field(stage, options, pyramid, setting)
+    scales = [_Scale(field, scale) for scale in field.scales()]
+    # Turn by turn, so that parts of the list are equally large canvases' work.
+    places = [(scale, angle) for angle in field.turns() for scale in scales]
     found: list[list[Place]] = [[] for _ in places]
-    share(partial(_score_places, field, places, found), len(places))
+    share(partial(_score_places, places, found), len(places))
     ranked = sorted((one for few in found for one in few), key=lambda one: one.value)
     if not ranked:
         message = (
@@ -71,10 +75,11 @@ def search(stage: Stage, fixed: Image, moving: Image, setting: Setting) -> tuple
 
 
 def _score_places(
-    field: "_Field", places: list[tuple[float, float]], found: list[list[Place]], first: int, last: int
+    places: list[tuple["_Scale", float]], found: list[list[Place]], first: int, last: int
 ) -> None:
     for i in range(first, last):
-        found[i] = field.score(*places[i])
+        scale, angle = places[i]
+        found[i] = scale.score(angle)
 
 
 def distinct(ranked: list[Place], most: int, grid: Grid, apart: float) -> tuple[Place, ...]:
@@ -92,23 +97,15 @@ def distinct(ranked: list[Place], most: int, grid: Grid, apart: float) -> tuple[
     return tuple(kept)
 
 
-@dataclass(frozen=True, eq=False)
-class _Canvas:
-    """The moving image on a grid in line with the fixed one."""
-
-    values: Volume
-    weight: Volume
-    first: tuple[int, int]  # index of the fixed grid's first point in it, may be negative
-
-
 class _Field:
     """What a search looks at: the small fixed image, the moving one at some sizes, the bounds."""
 
-    def __init__(self, stage: Stage, options: Search, images: tuple[Image, Image], setting: Setting) -> None:
-        fixed, moving = images
+    def __init__(self, stage: Stage, options: Search, pyramid: Pyramid, setting: Setting) -> None:
+        fixed, moving = pyramid.images
+        self.pyramid = pyramid
         self.stage, self.options, self.moving, self.setting = stage, options, moving, setting
         self.frame = Frame.about_centre(fixed.grid, moving.grid)
-        self.fixed = averaged(fixed, fitting(fixed.grid.shape, options.size))
+        self.fixed = pyramid.averaged(0, fitting(fixed.grid.shape, options.size))
         self.grid = self.fixed.grid
         self.unit = base_scale(options, fixed.grid, moving.grid)
         weight = (
@@ -123,15 +120,20 @@ class _Field:
             self.grid.shape,
         )
 
-    def places(self) -> list[tuple[float, float]]:
-        """Rotations (radians) and scales that are tried, as far as the family has them."""
-        radius = float(np.linalg.norm(self.grid.shape)) / 2
-        stride = self.options.step / radius
+    def turns(self) -> list[float]:
+        """Rotations (radians) that are tried, as far as the family has them."""
         most = np.deg2rad(self.options.rotation_deg)
+        return list(map(float, _lattice(-most, most, self._stride()))) if self._has(turn(0.1)) else [0.0]
+
+    def scales(self) -> list[float]:
+        """Scales that are tried, as far as the family has them."""
         low, high = np.log(self.options.scale)
-        turns = _lattice(-most, most, stride) if self._has(turn(0.1)) else np.zeros(1)
-        sizes = _lattice(low, high, stride) if self._has(1.1 * np.eye(2)) else np.clip(np.zeros(1), low, high)
-        return [(float(angle), float(np.exp(size))) for size, angle in product(sizes, turns)]
+        if self._has(1.1 * np.eye(2)):
+            return list(map(float, np.exp(_lattice(low, high, self._stride()))))
+        return [1.0 / self.unit] if self.unit != 1.0 else [1.0]
+
+    def _stride(self) -> float:
+        return self.options.step / (float(np.linalg.norm(self.grid.shape)) / 2)
 
     def _has(self, matrix: NDArray[np.float64]) -> bool:
         transform = self.stage.transform
@@ -139,94 +141,100 @@ class _Field:
         back = transform.as_affine(transform.from_affine(target, self.frame), self.frame)
         return back is not None and bool(np.allclose(back.matrix, matrix, atol=1e-6))
 
-    def score(self, angle: float, scale: float) -> list[Place]:
-        """The best few shifts at a rotation and a scale."""
-        centred = about(
-            self.unit * scale * turn(angle), self.moving.grid.centre - self.frame.centre, self.frame.centre
-        )
-        canvas = self._canvas(centred, self.unit * scale)
-        reach = self._reach(scale)
-        shape = lattice(
-            max(n, m, (n + m) / 2 + r + 1)
-            for n, m, r in zip(self.grid.shape, canvas.values.shape, reach, strict=True)
-        )
-        score = self.stage.metric.translations(self.pairs, shape)
-        if score is None:
-            score = self._one_by_one(shape, reach, canvas)
-        values, shared = score(canvas.values, canvas.weight)
-        shifts = [np.arange(n) for n in shape]
-        # Translation t lets fixed x meet canvas x + t; the two centres meet at `first`.
-        off = [(s - f + n // 2) % n - n // 2 for s, f, n in zip(shifts, canvas.first, shape, strict=True)]
-        near = np.abs(off[0])[:, None] <= reach[0]
-        near = near & (np.abs(off[1])[None] <= reach[1])
-        smaller = min(float(self.pairs.weight.sum()), float(canvas.weight.sum()))
-        share_met = np.asarray(shared) / max(smaller, 1.0)
-        bounded = np.where(near & (share_met >= self.options.overlap), values, np.inf)
-        found = []
-        for y, x in _lowest(bounded, EACH):
-            move = np.array([off[1][x], off[0][y]], np.float64)
-            shift = self.grid.index_to_point.matrix @ move
-            affine = centred @ AffineMap(np.eye(2), shift)
-            warp = placed_on(self.stage, affine, self.moving.grid, self.setting)
-            found.append(Place(warp, warp, float(bounded[y, x]), float(share_met[y, x])))
-        return found
 
-    def _reach(self, scale: float) -> tuple[float, float]:
-        """Largest shift along each axis, array order, in grid points."""
-        wide = [
-            max(n * s, m * r / (self.unit * scale)) / s
+class _Scale:
+    """One scale of a search: the moving image averaged for it, and the fixed one ready to be met."""
+
+    def __init__(self, field: _Field, scale: float) -> None:
+        self.field, self.magnification = field, field.unit * scale
+        moving, grid = field.moving, field.grid
+        self.moving = field.pyramid.averaged(1, reduction(grid, moving.grid, self.magnification))
+        lengths = [
+            max(n * s, m * r / self.magnification) / s
             for n, s, m, r in zip(
-                self.grid.shape,
-                reversed(self.grid.spacing),
-                self.moving.grid.shape,
-                reversed(self.moving.grid.spacing),
+                grid.shape,
+                reversed(grid.spacing),
+                moving.grid.shape,
+                reversed(moving.grid.spacing),
                 strict=True,
             )
         ]
-        return self.options.shift * wide[0], self.options.shift * wide[1]
-
-    def _canvas(self, centred: AffineMap, scale: float) -> _Canvas:
-        """The moving image under a map that brings the centres together."""
-        small = averaged(self.moving, reduction(self.grid, self.moving.grid, scale))
-        back = self.grid.point_to_index @ centred.inverse()
-        corners = back(_outline(self.moving.grid))[:, ::-1]
-        first, last = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)
-        shape = tuple(int(n) for n in last - first + 1)
-        origin = tuple(map(float, self.grid.points(first[None].astype(np.float64))[0]))
-        grid = Grid(shape, self.grid.spacing, origin, self.grid.direction)
-        index_map = (small.grid.point_to_index @ centred @ grid.index_to_point).reversed_axes()
-        values, weight = Linear().resample(
-            np.ascontiguousarray(small.values, np.float64), Samples(shape), index_map
+        self.reach = tuple(field.options.shift * length for length in lengths)
+        canvases = [self._canvas_grid(self._centred(angle)).shape for angle in field.turns()]
+        widest = [max(sizes) for sizes in zip(*canvases, strict=True)]
+        self.shape = lattice(
+            max(n, m, (n + m) / 2 + r + 1) for n, m, r in zip(grid.shape, widest, self.reach, strict=True)
         )
+        metric = field.stage.metric
+        self.translations = metric.translations(field.pairs, self.shape)
+        self.prepared = metric.prepare(field.pairs) if self.translations is None else None
+
+    def score(self, angle: float) -> list[Place]:
+        """The best few shifts at a rotation."""
+        field, shape, centred = self.field, self.shape, self._centred(angle)
+        grid = self._canvas_grid(centred)
+        values, weight = self._canvas(grid, centred)
+        # Translation t lets fixed x meet canvas x + t; the two centres meet at `met`.
+        met = np.rint(field.grid.point_to_index(np.array([grid.origin]))[0, ::-1]).astype(int)
+        off = [(np.arange(n) + f + n // 2) % n - n // 2 for n, f in zip(shape, met, strict=True)]
+        if self.translations is None:
+            scored, shared = self._one_by_one(values, weight, off, (int(met[0]), int(met[1])))
+        else:
+            scored, shared = self.translations(values, weight)
+        near = (np.abs(off[0]) <= self.reach[0])[:, None] & (np.abs(off[1]) <= self.reach[1])[None]
+        smaller = min(float(field.pairs.weight.sum()), float(weight.sum()))
+        overlap = shared / max(smaller, 1.0)
+        bounded = np.where(near & (overlap >= field.options.overlap), scored, np.inf)
+        found = []
+        for y, x in _lowest(bounded, EACH):
+            shift = field.grid.index_to_point.matrix @ np.array([off[1][x], off[0][y]], np.float64)
+            affine = centred @ AffineMap(np.eye(2), shift)
+            warp = placed_on(field.stage, affine, field.moving.grid, field.setting)
+            found.append(Place(warp, warp, float(bounded[y, x]), float(overlap[y, x])))
+        return found
+
+    def _centred(self, angle: float) -> AffineMap:
+        """The map at this scale and a rotation that brings both centres together."""
+        centre = self.field.frame.centre
+        return about(self.magnification * turn(angle), self.field.moving.grid.centre - centre, centre)
+
+    def _canvas_grid(self, centred: AffineMap) -> Grid:
+        """The grid, in line with the fixed one, that holds the whole moving image under a map."""
+        grid = self.field.grid
+        back = grid.point_to_index @ centred.inverse()
+        corners = back(_outline(self.field.moving.grid))[:, ::-1]
+        first, last = np.floor(corners.min(axis=0)), np.ceil(corners.max(axis=0))
+        shape = tuple(int(n) for n in last - first + 1)
+        return Grid(shape, grid.spacing, tuple(map(float, grid.points(first[None])[0])), grid.direction)
+
+    def _canvas(self, grid: Grid, centred: AffineMap) -> tuple[Volume, Volume]:
+        """The moving image's values and weights on a canvas."""
+        small, samples = self.moving, Samples(grid.shape)
+        index_map = (small.grid.point_to_index @ centred @ grid.index_to_point).reversed_axes()
+        values, weight = Linear().resample(np.ascontiguousarray(small.values, np.float64), samples, index_map)
         if small.mask is not None:
-            met, _ = Linear().resample(small.mask.astype(np.float64), Samples(shape), index_map)
-            weight = weight * (met > 0.99)
-        return _Canvas(values.reshape(shape), weight.reshape(shape), (-int(first[0]), -int(first[1])))
+            met, _ = Linear().resample(small.mask.astype(np.float64), samples, index_map)
+            weight = weight * (met > WHOLE)
+        return values.reshape(grid.shape), weight.reshape(grid.shape)
 
     def _one_by_one(
-        self, shape: tuple[int, ...], reach: tuple[float, float], canvas: _Canvas
-    ) -> Translations:
+        self, moving: Volume, weight: Volume, off: list[NDArray[np.int64]], met: tuple[int, int]
+    ) -> tuple[Volume, Volume]:
         """The metric itself at every other translation, for metrics without a quicker way."""
-        metric, pairs = self.stage.metric, self.pairs
-        prepared = metric.prepare(pairs)
-        offsets = [
-            range(int(f - r), int(f + r) + 1, STRIDE) for f, r in zip(canvas.first, reach, strict=True)
-        ]
-
-        def score(moving: Volume, weight: Volume) -> tuple[Volume, Volume]:
-            values, shared = np.full(shape, np.inf), np.zeros(shape)
-            for y, x in product(*offsets):
-                met, there = (_window(one, (y, x), self.grid.shape) for one in (moving, weight))
-                there = there * pairs.weight
-                shared[y % shape[0], x % shape[1]] = there.sum()
-                one = Pairs(
-                    pairs.fixed, met, there, pairs.fixed_range, pairs.moving_range, pairs.shape, prepared
-                )
-                value = metric.value(one) if there.any() else np.inf
-                values[y % shape[0], x % shape[1]] = value if np.isfinite(value) else np.inf
-            return values, shared
-
-        return score
+        pairs, metric = self.field.pairs, self.field.stage.metric
+        values, shared = np.full(self.shape, np.inf), np.zeros(self.shape)
+        rows, columns = (
+            np.flatnonzero((np.abs(o) <= r) & (o % STRIDE == 0)) for o, r in zip(off, self.reach, strict=True)
+        )
+        for y, x in product(rows.tolist(), columns.tolist()):
+            at = (int(off[0][y]) - met[0], int(off[1][x]) - met[1])
+            values_met, there = (_window(one, at, self.field.grid.shape) for one in (moving, weight))
+            there = there * pairs.weight
+            shared[y, x] = there.sum()
+            one = replace(pairs, moving=values_met, weight=there, prepared=self.prepared)
+            value = metric.value(one) if there.any() else np.inf
+            values[y, x] = value if np.isfinite(value) else np.inf
+        return values, shared
 
 
 def _lattice(low: float, high: float, stride: float) -> NDArray[np.float64]:

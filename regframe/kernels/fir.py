@@ -13,7 +13,7 @@ from regframe.kernels.jit import kernel, share
 from regframe.types import Matrix, Values, Volume
 
 U = np.uint64
-ALONE = 2**14
+ALONE = 2**16
 """Numbers below which a thread of its own costs more than it saves."""
 
 

@@ -25,8 +25,7 @@ class Settings(NamedTuple):
 
     inner: float  # Gaussian of the intensities
     outer: float  # Gaussian of the channels
-    local: float  # Gaussian of the strength that a channel is compared with; 0: the image's mean alone
-    offset: float  # share of that strength that is added to a channel's own before division
+    offset: float  # share of the image's mean strength that is added to a channel's own before division
     magnitude: float  # weight of the length beside the direction
     flat: float  # gradients well below this have no direction, intensity a grid point
 
@@ -36,14 +35,9 @@ class Features(NamedTuple):
 
     units: Volume  # (c, nz, ny, nx), of less than unit length
     trust: Volume  # (nz, ny, nx) in [0, 1]: how far a gradient rests on intensities that exist
-    present: Volume  # 1 where an intensity exists
-    density: Volume  # `present`, smoothed
-    smooth: Volume  # intensities, smoothed
-    spread: Volume  # `trust`, smoothed
-    raw: Volume  # (c, nz, ny, nx), channels before division
-    strength: Volume  # their length
-    level: Volume  # what they are divided by
-    around: Volume  # `trust`, widely smoothed; empty without `local`
+    smooth: Volume  # (2, nz, ny, nx): 1 where an intensity exists, smoothed; intensities, smoothed
+    raw: Volume  # (c + 1, nz, ny, nx): channels before division, and `trust`, smoothed
+    mean: float  # strength that channels are compared with
 
 
 def features(values: Volume, weight: Volume, settings: Settings) -> Features:
@@ -54,35 +48,25 @@ def features(values: Volume, weight: Volume, settings: Settings) -> Features:
     values, weight : (nz, ny, nx) float64
     settings : Settings
     """
-    axes = 2 if values.shape[0] == 1 else 3
-    inner, outer = gaussian_taps(settings.inner), gaussian_taps(settings.outer)
-    present = (weight > 0.0).astype(np.float64)
-    density = blur(present, inner, axes)
-    smooth = blur(np.where(present > 0.0, values, 0.0), inner, axes) / np.maximum(density, TINY)
-    # A straight border of the image has a density of a half: no gradient there is to be trusted.
-    trust = present * np.clip(2.0 * density - 1.0, 0.0, 1.0)
-    raw = np.empty((3 if axes == 2 else 6, *values.shape))
-    _by_rows(_tensors, smooth, trust, raw, settings.magnitude, settings.flat)
-    spread = np.maximum(blur(trust, outer, axes), TINY)
-    raw = blur(raw, outer, axes)
-    strength = np.empty(values.shape)
-    _by_rows(_normalise, raw, spread, strength)
-    mass = max(float(trust.sum()), TINY)
-    mean = float(np.sum(trust * strength)) / mass
-    around, level = np.empty(0), np.full(values.shape, mean)
-    if settings.local > 0.0:
-        wide = gaussian_taps(settings.local)
-        around = np.maximum(blur(trust, wide, axes), TINY)
-        level = blur(trust * strength, wide, axes) / around + REST * mean
-    level = strength + settings.offset * level + settings.flat
-    return Features(raw / level, trust, present, density, smooth, spread, raw, strength, level, around)
+    axes, shape = _axes(weight)
+    smooth = np.empty((2, *shape))
+    _by_rows(_begin, values, weight, smooth)
+    smooth = blur(smooth, gaussian_taps(settings.inner), axes)
+    trust = np.empty(shape)
+    _by_rows(_divide, weight, smooth, trust)
+    raw = np.empty((4 if axes == 2 else 7, *shape))
+    _by_rows(_tensors, smooth[1], trust, raw, settings.magnitude, settings.flat)
+    raw = blur(raw, gaussian_taps(settings.outer), axes)
+    rows = np.empty((2, shape[0] * shape[1]))
+    _by_rows(_normalise, raw, trust, rows)
+    mass, total = rows.sum(axis=1)
+    mean = float(total / mass) if mass > 0.0 else 0.0
+    units = np.empty((len(raw) - 1, *shape))
+    _by_rows(_divide_channels, raw, units, settings.offset * mean + settings.flat)
+    return Features(units, trust, smooth, raw, mean)
 
 
-REST = 0.15
-"""Share of the whole image's mean strength in the local one, so that empty regions stay empty."""
-
-
-def back(forces: Volume, made: Features, settings: Settings) -> Volume:
+def back(forces: Volume, made: Features, weight: Volume, settings: Settings) -> Volume:
     """Slope of a number by each intensity, from its slopes by the channels.
 
     Parameters
@@ -90,34 +74,61 @@ def back(forces: Volume, made: Features, settings: Settings) -> Volume:
     forces : (c, nz, ny, nx) float64
         Slopes by `made.units`, at fixed weights.
     made : Features
+    weight : (nz, ny, nx) float64
+        What the features were made with.
     settings : Settings
     """
-    axes = 2 if made.trust.shape[0] == 1 else 3
-    inner, outer = gaussian_taps(settings.inner), gaussian_taps(settings.outer)
-    by_level = np.empty(made.trust.shape)
-    _by_rows(_level_forces, forces, made.units, made.level, by_level)
-    by_strength = by_level.copy()
-    mass = max(float(made.trust.sum()), TINY)
-    share = settings.offset
-    if settings.local > 0.0:
-        wide = gaussian_taps(settings.local)
-        by_strength += share * made.trust * blur(by_level / made.around, wide, axes)
-        share *= REST
-    by_strength += share * float(by_level.sum()) / mass * made.trust
+    axes, shape = _axes(weight)
+    floor = settings.offset * made.mean + settings.flat
+    rows = np.empty((2, shape[0] * shape[1]))
+    _by_rows(_mean_forces, forces, made.units, made.raw, made.trust, floor, rows)
+    mass, total = rows.sum(axis=1)
+    by_mean = settings.offset * float(total / mass) if mass > 0.0 else 0.0
     by_raw = np.empty(forces.shape)
-    _by_rows(_raw_forces, forces, made.raw, made.level, made.strength, by_strength, made.spread, by_raw)
-    by_raw = blur(by_raw, outer, axes)
-    slopes = np.zeros((3, *made.trust.shape))
-    _by_rows(_gradient_forces, by_raw, made.smooth, made.trust, slopes, settings.magnitude, settings.flat)
-    by_smooth = np.empty(made.trust.shape)
-    _by_rows(_undo_differences, slopes, by_smooth)
-    return made.present * blur(by_smooth / np.maximum(made.density, TINY), inner, axes)
+    _by_rows(_raw_forces, forces, made.units, made.raw, made.trust, floor, by_mean, by_raw)
+    by_raw = blur(by_raw, gaussian_taps(settings.outer), axes)
+    slopes = np.zeros((3, *shape))
+    _by_rows(_gradient_forces, by_raw, made.smooth[1], made.trust, slopes, settings.magnitude, settings.flat)
+    by_smooth = np.empty((1, *shape))
+    _by_rows(_undo_differences, slopes, made.smooth, by_smooth[0])
+    out = blur(by_smooth, gaussian_taps(settings.inner), axes)[0]
+    _by_rows(_where_present, weight, out)
+    return out
+
+
+def _axes(weight: Volume) -> tuple[int, tuple[int, ...]]:
+    return (2 if weight.shape[0] == 1 else 3), weight.shape
 
 
 def _by_rows(function: Callable[..., object], *arguments: object) -> None:
     """Share the rows of the volumes among threads."""
-    shape = next(one.shape for one in reversed(arguments) if isinstance(one, np.ndarray))[-3:]
+    shape = next(one.shape for one in arguments if isinstance(one, np.ndarray) and one.ndim >= 3)[-3:]
     split(function, shape[0] * shape[1], shape[2] * 4, *arguments)
+
+
+@kernel
+def _begin(first: int, last: int, values: Volume, weight: Volume, out: Volume) -> None:
+    _, ny, nx = weight.shape
+    for row in range(first, last):
+        z, y = row // ny, row % ny
+        for x in range(nx):
+            there = weight[z, y, x] > 0.0
+            out[0, z, y, x] = 1.0 if there else 0.0
+            out[1, z, y, x] = values[z, y, x] if there else 0.0
+
+
+@kernel
+def _divide(first: int, last: int, weight: Volume, smooth: Volume, trust: Volume) -> None:
+    """Normalised convolution. A straight border has a density of a half: no gradient there is trusted."""
+    _, ny, nx = weight.shape
+    for row in range(first, last):
+        z, y = row // ny, row % ny
+        for x in range(nx):
+            density = max(smooth[0, z, y, x], 1e-12)
+            smooth[0, z, y, x] = density
+            smooth[1, z, y, x] /= density
+            sure = min(max(2.0 * density - 1.0, 0.0), 1.0)
+            trust[z, y, x] = sure if weight[z, y, x] > 0.0 else 0.0
 
 
 @kernel
@@ -134,9 +145,9 @@ def _rise(volume: Volume, z: int, y: int, x: int) -> tuple[float, float, float]:
 def _tensors(
     first: int, last: int, smooth: Volume, trust: Volume, raw: Volume, magnitude: float, flat: float
 ) -> None:
-    """Channels times trust."""
+    """Channels times trust, and trust."""
     _, ny, nx = smooth.shape
-    planar = len(raw) == 3
+    planar = len(raw) == 4
     for row in range(first, last):
         z, y = row // ny, row % ny
         for x in range(nx):
@@ -145,6 +156,7 @@ def _tensors(
             length = math.sqrt(square + flat * flat)
             t = trust[z, y, x]
             per = t / length
+            raw[-1, z, y, x] = t
             raw[0, z, y, x] = magnitude * t * (length - flat)
             raw[1, z, y, x] = per * (gx * gx - gy * gy)
             raw[2, z, y, x] = per * 2.0 * gx * gy
@@ -155,29 +167,65 @@ def _tensors(
 
 
 @kernel
-def _normalise(first: int, last: int, raw: Volume, spread: Volume, strength: Volume) -> None:
-    """Divide channels by the smoothed trust, in place, and take their length."""
+def _normalise(first: int, last: int, raw: Volume, trust: Volume, rows: Volume) -> None:
+    """Divide channels by the smoothed trust, in place; sums of trust, and trust times their length."""
     count, _, ny, nx = raw.shape
     for row in range(first, last):
         z, y = row // ny, row % ny
+        mass, total = 0.0, 0.0
         for x in range(nx):
-            per, square = 1.0 / spread[z, y, x], 1e-24
-            for c in range(count):
+            per, square = 1.0 / max(raw[count - 1, z, y, x], 1e-12), 0.0
+            raw[count - 1, z, y, x] = per
+            for c in range(count - 1):
                 raw[c, z, y, x] *= per
                 square += raw[c, z, y, x] * raw[c, z, y, x]
-            strength[z, y, x] = math.sqrt(square)
+            mass += trust[z, y, x]
+            total += trust[z, y, x] * math.sqrt(square)
+        rows[0, row], rows[1, row] = mass, total
 
 
 @kernel
-def _level_forces(first: int, last: int, forces: Volume, units: Volume, level: Volume, out: Volume) -> None:
+def _length(raw: Volume, z: int, y: int, x: int) -> float:
+    square = 1e-40
+    for c in range(len(raw) - 1):
+        square += raw[c, z, y, x] * raw[c, z, y, x]
+    return math.sqrt(square)
+
+
+@kernel
+def _divide_channels(first: int, last: int, raw: Volume, units: Volume, floor: float) -> None:
     count, _, ny, nx = units.shape
     for row in range(first, last):
         z, y = row // ny, row % ny
         for x in range(nx):
-            total = 0.0
+            per = 1.0 / (_length(raw, z, y, x) + floor)
             for c in range(count):
-                total -= forces[c, z, y, x] * units[c, z, y, x]
-            out[z, y, x] = total / level[z, y, x]
+                units[c, z, y, x] = raw[c, z, y, x] * per
+
+
+@kernel
+def _mean_forces(
+    first: int,
+    last: int,
+    forces: Volume,
+    units: Volume,
+    raw: Volume,
+    trust: Volume,
+    floor: float,
+    rows: Volume,
+) -> None:
+    """Sums of trust, and of the slopes by the divisor of every point."""
+    count, _, ny, nx = units.shape
+    for row in range(first, last):
+        z, y = row // ny, row % ny
+        mass, total = 0.0, 0.0
+        for x in range(nx):
+            along = 0.0
+            for c in range(count):
+                along -= forces[c, z, y, x] * units[c, z, y, x]
+            mass += trust[z, y, x]
+            total += along / (_length(raw, z, y, x) + floor)
+        rows[0, row], rows[1, row] = mass, total
 
 
 @kernel
@@ -185,21 +233,27 @@ def _raw_forces(
     first: int,
     last: int,
     forces: Volume,
+    units: Volume,
     raw: Volume,
-    level: Volume,
-    strength: Volume,
-    by_strength: Volume,
-    spread: Volume,
+    trust: Volume,
+    floor: float,
+    by_mean: float,
     out: Volume,
 ) -> None:
-    count, _, ny, nx = raw.shape
+    """Slopes by the channels before the division by smoothed trust."""
+    count, _, ny, nx = units.shape
     for row in range(first, last):
         z, y = row // ny, row % ny
         for x in range(nx):
-            along = by_strength[z, y, x] / strength[z, y, x]
-            per = 1.0 / spread[z, y, x]
+            length = _length(raw, z, y, x)
+            per = 1.0 / (length + floor)
+            along = 0.0
             for c in range(count):
-                out[c, z, y, x] = (forces[c, z, y, x] / level[z, y, x] + along * raw[c, z, y, x]) * per
+                along -= forces[c, z, y, x] * units[c, z, y, x]
+            along = (along * per + by_mean * trust[z, y, x]) / length
+            spread = raw[count, z, y, x]
+            for c in range(count):
+                out[c, z, y, x] = (forces[c, z, y, x] * per + along * raw[c, z, y, x]) * spread
 
 
 @kernel
@@ -243,8 +297,8 @@ def _gradient_forces(
 
 
 @kernel
-def _undo_differences(first: int, last: int, slopes: Volume, out: Volume) -> None:
-    """The adjoint of `_rise`."""
+def _undo_differences(first: int, last: int, slopes: Volume, smooth: Volume, out: Volume) -> None:
+    """The adjoint of `_rise`, divided by the density."""
     _, nz, ny, nx = slopes.shape
     for row in range(first, last):
         z, y = row // ny, row % ny
@@ -256,4 +310,14 @@ def _undo_differences(first: int, last: int, slopes: Volume, out: Volume) -> Non
             if nz > 1:
                 total += slopes[2, z - 1, y, x] if z > 0 else -slopes[2, z, y, x]
                 total -= slopes[2, z + 1, y, x] if z < nz - 1 else -slopes[2, z, y, x]
-            out[z, y, x] = 0.5 * total
+            out[z, y, x] = 0.5 * total / smooth[0, z, y, x]
+
+
+@kernel
+def _where_present(first: int, last: int, weight: Volume, out: Volume) -> None:
+    _, ny, nx = weight.shape
+    for row in range(first, last):
+        z, y = row // ny, row % ny
+        for x in range(nx):
+            if not weight[z, y, x] > 0.0:
+                out[z, y, x] = 0.0

@@ -5,6 +5,8 @@ from typing import ClassVar, Literal, NamedTuple, final
 import numpy as np
 from pydantic import Field
 
+from regframe.kernels import edges
+from regframe.kernels.jit import share
 from regframe.metrics.base import Metric, Pairs
 from regframe.types import Values, Volume
 
@@ -36,9 +38,10 @@ class NormalisedGradientFields(Metric):
     invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     def prepare(self, pairs: Pairs) -> Volume:
-        """Normalised gradients of the fixed image, (dim, *shape)."""
-        field = _field(pairs.fixed, _weights(pairs), pairs.fixed_range, self.noise)
-        return np.asarray(field.gradient / field.length)
+        """Normalised gradients of the fixed image, (3, nz, ny, nx)."""
+        field = self._field(pairs.fixed, pairs, pairs.fixed_range)
+        lengths = np.sqrt(np.sum(field.gradient * field.gradient, axis=0) + field.squared_edge)
+        return np.asarray(field.gradient / lengths)
 
     def value(self, pairs: Pairs) -> float:
         """1 - sum w <nf, nm>^2 / sum w, with n = g / sqrt(|g|^2 + e^2) of either image."""
@@ -51,38 +54,56 @@ class NormalisedGradientFields(Metric):
     def value_and_derivative(self, pairs: Pairs) -> tuple[float, Values]:
         """The value, and its slope by each moving intensity.
 
-        With s = <nf, g> / q and q = sqrt(|g|^2 + e^2): d s / d g = nf / q - s g / q^2, and
-        d s / d e = - s e / q^2 where e itself follows the lengths of all gradients. Central differences are
+        With c = <nf, g> / q and q^2 = |g|^2 + e^2: d c / d g = nf / q - c g / q^2, and
+        d c / d e = - c e / q^2 where e itself follows the lengths of all gradients. Central differences are
         walked back to the two neighbours they came from.
         """
         at = self._met(pairs)
-        if not at.mass:
-            return at.value, np.zeros_like(pairs.moving)
-        share = -2.0 * at.weight * at.cosine / at.mass
-        field, cosine = at.field, at.cosine
-        squared = field.length * field.length
-        by_edge = -float(np.sum(share * cosine / squared)) * field.edge
-        steepness = np.sqrt(np.sum(field.gradient**2, axis=0))
-        along = by_edge * self.noise / at.mass * _divided(at.weight, steepness) - share * cosine / squared
-        forces = share / field.length * at.fixed + along * field.gradient
-        return at.value, _walked_back(forces).ravel()
+        field, slopes = at.field, np.zeros_like(at.cosine)
+        if field.mass:
+            felt, steep = (
+                np.empty_like(field.gradient),
+                2.0 * self.noise * field.edge * at.bent / field.mass**2,
+            )
+            rows = slopes.size // slopes.shape[-1]
+            found = (field.gradient, at.fixed, field.weight, field.squared_edge, at.cosine)
+            share(edges.forces, rows, *found, -2.0 / field.mass, steep, felt)
+            share(edges.back, rows, felt, slopes)
+        return at.value, slopes.ravel()
 
     def _met(self, pairs: Pairs) -> "Met":
         fixed = pairs.prepared if isinstance(pairs.prepared, np.ndarray) else self.prepare(pairs)
-        weight = _weights(pairs)
-        field = _field(pairs.moving, weight, pairs.moving_range, self.noise)
-        cosine = np.sum(fixed * field.gradient, axis=0) / field.length
-        mass = float(weight.sum())
-        value = 1.0 - float(np.sum(weight * cosine * cosine)) / mass if mass else float("inf")
-        return Met(value, fixed, field, cosine, weight, mass)
+        field = self._field(pairs.moving, pairs, pairs.moving_range)
+        shape = field.weight.shape
+        cosine, sums = np.empty(shape), np.empty((shape[0] * shape[1], 2))
+        share(
+            edges.agreement, len(sums), field.gradient, fixed, field.weight, field.squared_edge, cosine, sums
+        )
+        agreed, bent = map(float, sums.sum(axis=0))
+        value = 1.0 - agreed / field.mass if field.mass else float("inf")
+        return Met(value, fixed, field, cosine, bent)
+
+    def _field(self, values: Values, pairs: Pairs, span: tuple[float, float]) -> "Gradients":
+        shape = pairs.shape or pairs.weight.shape  # layout "grid" always has a shape
+        shape = (1,) * (3 - len(shape)) + tuple(shape)
+        volume, given = (np.ascontiguousarray(part.reshape(shape)) for part in (values, pairs.weight))
+        gradient, weight = np.empty((3, *shape)), np.empty(shape)
+        sums = np.empty((shape[0] * shape[1], 2))
+        share(edges.differences, len(sums), volume, given, gradient, weight, sums)
+        steepness, mass = map(float, sums.sum(axis=0))
+        edge = self.noise * steepness / (mass or 1.0)
+        least = ROUNDING * max(*map(abs, span)) or 1.0
+        return Gradients(gradient, weight, mass, edge, edge * edge + least * least)
 
 
 class Gradients(NamedTuple):
     """Of one image."""
 
-    gradient: Volume  # (dim, *shape), 0 where the weight is
-    length: Volume  # sqrt(|g|^2 + e^2), never 0
+    gradient: Volume  # (3, nz, ny, nx), 0 where the weight is
+    weight: Volume  # where all neighbours have some
+    mass: float
     edge: float
+    squared_edge: float  # with what rounding leaves of a constant image
 
 
 class Met(NamedTuple):
@@ -92,56 +113,4 @@ class Met(NamedTuple):
     fixed: Volume  # normalised gradients
     field: Gradients  # of the moving image
     cosine: Volume
-    weight: Volume
-    mass: float
-
-
-def _weights(pairs: Pairs) -> Volume:
-    """Weights of the points whose neighbours along every axis have some too."""
-    weight = pairs.weight.reshape(pairs.shape or pairs.weight.shape)  # layout "grid" always has a shape
-    whole = np.zeros_like(weight)
-    inner = (slice(1, -1),) * weight.ndim
-    whole[inner] = weight[inner]
-    for axis in range(weight.ndim):
-        for side in (_ahead, _behind):
-            whole[inner] *= side(weight, axis) > 0.0
-    return whole
-
-
-def _field(values: Values, weight: Volume, span: tuple[float, float], noise: float) -> Gradients:
-    volume = values.reshape(weight.shape)
-    gradient = np.zeros((weight.ndim, *weight.shape))
-    inner = (slice(1, -1),) * weight.ndim
-    for axis, along in enumerate(gradient):
-        along[inner] = 0.5 * (_ahead(volume, axis) - _behind(volume, axis))
-    gradient *= weight > 0.0
-    squared = np.sum(gradient * gradient, axis=0)
-    edge = noise * float(np.sum(weight * np.sqrt(squared))) / (float(weight.sum()) or 1.0)
-    least = ROUNDING * max(*map(abs, span)) or 1.0
-    return Gradients(gradient, np.sqrt(squared + (edge * edge + least * least)), edge)
-
-
-def _walked_back(forces: Volume) -> Volume:
-    """Slopes by intensity of a number with these slopes by central difference."""
-    slopes = np.zeros(forces.shape[1:])
-    inner = (slice(1, -1),) * slopes.ndim
-    for axis, along in enumerate(forces):
-        half = 0.5 * along[inner]
-        _ahead(slopes, axis)[...] += half
-        _behind(slopes, axis)[...] -= half
-    return slopes
-
-
-def _ahead(volume: Volume, axis: int) -> Volume:
-    """The inner points' next neighbours along an axis; a view."""
-    return volume[tuple(slice(2, None) if axis == other else slice(1, -1) for other in range(volume.ndim))]
-
-
-def _behind(volume: Volume, axis: int) -> Volume:
-    """The inner points' last neighbours along an axis; a view."""
-    return volume[tuple(slice(None, -2) if axis == other else slice(1, -1) for other in range(volume.ndim))]
-
-
-def _divided(values: Volume, by: Volume) -> Volume:
-    """values / by, 0 where that is 0."""
-    return np.divide(values, by, out=np.zeros_like(values), where=by > 0.0)
+    bent: float  # sum of w c^2 / q^2

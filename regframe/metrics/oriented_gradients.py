@@ -1,11 +1,13 @@
 """Correlation of the directions in which two images change."""
 
-from typing import ClassVar, Literal, NamedTuple, final
+import math
+from typing import ClassVar, Literal, final
 
 import numpy as np
 from pydantic import Field
 
-from regframe.kernels import fourier, orientation
+from regframe.kernels import channel_correlation, fourier, orientation
+from regframe.kernels.channel_correlation import Moments
 from regframe.kernels.orientation import Features, Settings
 from regframe.metrics.base import Metric, Pairs, Translations
 from regframe.types import Values, Volume
@@ -18,23 +20,19 @@ class OrientedGradients(Metric):
     After Ye, Bruzzone, Shan, Bovolo and Zhu, "Fast and robust matching for multimodal remote sensing image
     registration", IEEE Trans. Geoscience and Remote Sensing 57(11), 2019: edges count by place and
     direction, whichever side is brighter. Gradients are smoothed as channels (so that opposite signs add),
-    divided by their length plus a share of what is usual around, and correlated with weights.
+    divided by their length plus a share of what is usual in the image, and correlated with weights.
     Departures: the channels |g . e_k| of the paper are kept as what they amount to, a length and a tensor,
-    three numbers a point in 2-D and six in 3-D; and the strength that gradients are compared with is a
-    local one. Weightless samples are left out of all smoothing. Without any edge in common weight the value
-    is 0, without weight infinite.
+    three numbers a point in 2-D and six in 3-D. Weightless samples are left out of all smoothing. Without
+    any edge in common weight the value is 0, without weight infinite.
     """
 
     inner: float = Field(1.0, gt=0, le=32, description="Gaussian of the intensities, in grid points.")
     outer: float = Field(1.5, gt=0, le=32, description="Gaussian of the channels, in grid points.")
-    local: float = Field(
-        8.0,
-        ge=0,
-        le=256,
-        description="Gaussian of the strength that gradients are compared with; 0 for the image's mean.",
-    )
     offset: float = Field(
-        0.3, gt=0, le=100, description="Share of that strength below which an edge counts less."
+        0.3,
+        gt=0,
+        le=100,
+        description="Share of the image's mean strength of gradients below which an edge counts less.",
     )
     magnitude: float = Field(
         1.5, ge=0, le=100, description="Weight of the gradient's length beside its direction."
@@ -45,8 +43,7 @@ class OrientedGradients(Metric):
 
     def value(self, pairs: Pairs) -> float:
         """Minus the weighted correlation over all channels about their means."""
-        met = self._meet(pairs)
-        return float("inf") if met is None else met.value
+        return _value(channel_correlation.moments(*self._both(pairs)))
 
     def derivative(self, pairs: Pairs) -> Values:
         """Slope of the value by each moving intensity."""
@@ -55,15 +52,21 @@ class OrientedGradients(Metric):
     def value_and_derivative(self, pairs: Pairs) -> tuple[float, Values]:
         """The value, and its slope by each moving intensity.
 
-        By the channels, d value / d m = -w (f' - value' m' (f' . f' / m' . m')...) / (|f'| |m'|), primes
-        about the weighted means; from there `orientation.back` walks to the intensities.
+        With f and m the channels about their weighted means, and sums over channels and points, by a
+        channel: d value / d m = w (a m - f) / sqrt(sum w f f  sum w m m), a = sum w f m / sum w m m. From
+        there `orientation.back` walks to the intensities.
         """
-        met = self._meet(pairs)
-        if met is None:
-            return float("inf"), np.zeros_like(pairs.moving)
-        forces = met.weight * (met.fixed * met.by_fixed + met.moving * met.by_moving)
-        slopes = orientation.back(forces, met.made, self._settings(pairs.moving_range))
-        return met.value, slopes.ravel()
+        fixed, moving, weight = self._both(pairs)
+        met = channel_correlation.moments(fixed, moving, weight)
+        value = _value(met)
+        if not np.isfinite(value) or not _varies(met):
+            return value, np.zeros_like(pairs.moving)
+        norm = 1.0 / math.sqrt(met.fixed_power * met.moving_power)
+        forces = channel_correlation.channel_forces(
+            fixed, moving, weight, met, (-norm, met.both * norm / met.moving_power)
+        )
+        slopes = orientation.back(forces, moving, weight, self._settings(pairs.moving_range))
+        return value, slopes.ravel()
 
     def prepare(self, pairs: Pairs) -> object:
         """Channels of the fixed image."""
@@ -99,23 +102,12 @@ class OrientedGradients(Metric):
 
         return score
 
-    def _meet(self, pairs: Pairs) -> "Met | None":
+    def _both(self, pairs: Pairs) -> tuple[Features, Features, Volume]:
         fixed = pairs.prepared
         if not isinstance(fixed, Features):
             fixed = self._features(pairs.fixed, pairs, pairs.fixed_range)
-        made = self._features(pairs.moving, pairs, pairs.moving_range)
-        weight = pairs.weight.reshape(made.trust.shape) * fixed.trust * made.trust
-        mass = float(weight.sum())
-        if not mass:
-            return None
-        below, above = _centred(fixed.units, weight, mass), _centred(made.units, weight, mass)
-        both = float(np.sum(weight * below * above))
-        powers = float(np.sum(weight * below * below)) * float(np.sum(weight * above * above))
-        if powers <= TINY * mass * mass:
-            return Met(0.0, below, above, weight, made, 0.0, 0.0)
-        norm = powers**-0.5
-        slope = both * norm / float(np.sum(weight * above * above))
-        return Met(-both * norm, below, above, weight, made, -norm, slope)
+        moving = self._features(pairs.moving, pairs, pairs.moving_range)
+        return fixed, moving, pairs.weight.reshape(moving.trust.shape)
 
     def _features(self, values: Values, pairs: Pairs, span: tuple[float, float]) -> Features:
         shape = _planes(pairs)
@@ -123,7 +115,7 @@ class OrientedGradients(Metric):
 
     def _settings(self, span: tuple[float, float]) -> Settings:
         flat = FLAT * (span[1] - span[0]) + ROUNDING * max(abs(span[0]), abs(span[1])) + TINY
-        return Settings(self.inner, self.outer, self.local, self.offset, self.magnitude, flat)
+        return Settings(self.inner, self.outer, self.offset, self.magnitude, flat)
 
 
 TINY = 1e-20
@@ -135,16 +127,14 @@ ROUNDING = 1e-9
 """Of the largest intensity: what smoothing may leave of a constant image."""
 
 
-class Met(NamedTuple):
-    """The channels of both images about their means, and what they have in common."""
+def _varies(met: Moments) -> bool:
+    return met.fixed_power * met.moving_power > TINY * met.mass * met.mass
 
-    value: float
-    fixed: Volume
-    moving: Volume
-    weight: Volume
-    made: Features
-    by_fixed: float
-    by_moving: float
+
+def _value(met: Moments) -> float:
+    if not met.mass:
+        return float("inf")
+    return -met.both / math.sqrt(met.fixed_power * met.moving_power) if _varies(met) else 0.0
 
 
 def _planes(pairs: Pairs) -> tuple[int, ...]:

@@ -22,7 +22,7 @@ LEAST = 1e-16
 
 
 def figure(report: Report) -> "Figure":
-    """Sweeps in rows of four, and the runs below them.
+    """Sweeps in rows of four, and the runs below them; a sentence where SimpleITK could run neither.
 
     Returns
     -------
@@ -32,6 +32,8 @@ def figure(report: Report) -> "Figure":
 
     rows = ceil(len(report.sweeps) / ACROSS)
     below = 0 if report.course is None else 1
+    if not rows + below:
+        return _nothing(report)
     height = 0.9 + 2.7 * rows + 3.3 * below
     whole = Figure(figsize=(13.0, height), dpi=DPI, layout="constrained")
     parts = whole.subfigures(rows + below, 1, height_ratios=[2.7] * rows + [3.3] * below, squeeze=False)
@@ -50,6 +52,17 @@ def figure(report: Report) -> "Figure":
         left, right = parts[rows, 0].subplots(1, 2)
         _values(left, report.course)
         _apart(right, report.course, report.unit)
+    return whole
+
+
+def _nothing(report: Report) -> "Figure":
+    """A metric of the user's own is compared by its pairs alone, which have no curves."""
+    from matplotlib.figure import Figure
+
+    whole = Figure(figsize=(13.0, 1.4), dpi=DPI)
+    whole.suptitle(f"{report.preset.name}: {report.verdict()}", fontsize=12, fontweight="bold", color=INK)
+    text = "There are no curves: SimpleITK cannot run this preset. The pairs of intensities were compared."
+    whole.text(0.5, 0.35, text, ha="center", fontsize=PLAIN, color=INK)
     return whole
 
 

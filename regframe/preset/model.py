@@ -181,6 +181,14 @@ class Stage(Record):
             "(its default), or ITK's central differences."
         ),
     )
+    evidence: float | None = Field(
+        None,
+        strict=True,
+        description=(
+            "How much proof the stage's map needs to replace the map of the stage before: standard errors by "
+            "which it must be better in tiles of the image that its fit did not see. Without, it stays."
+        ),
+    )
     levels: tuple[Level, ...] = Field((Level(),), min_length=1, description="Run in the order listed.")
 
     @model_validator(mode="after")
@@ -251,7 +259,11 @@ class Preset(Record):
         faults = list(_start_faults(stages))
         if faults:
             raise raised(faults)
-        return (stages[0], *(_continued(stage) for stage in stages[1:]))
+        stages = (stages[0], *(_continued(stage) for stage in stages[1:]))
+        faults = list(_evidence_faults(stages))
+        if faults:
+            raise raised(faults)
+        return stages
 
 
 def _start_faults(stages: tuple[Stage, ...]) -> Iterator[InitErrorDetails]:
@@ -259,6 +271,16 @@ def _start_faults(stages: tuple[Stage, ...]) -> Iterator[InitErrorDetails]:
     if first in ("previous", "compose"):
         text = f'the first stage has none before it. Got {first!r}. Write "centres" or "fields-of-view".'
         yield fault((0, "start"), text, first)
+
+
+def _evidence_faults(stages: tuple[Stage, ...]) -> Iterator[InitErrorDetails]:
+    for i, stage in enumerate(stages):
+        if stage.evidence is not None and stage.start != "previous":
+            text = (
+                f"compares with the stage before, from which this one does not begin. Got {stage.evidence!r} "
+                f'with start {shown(stage.start)}. Write start = "previous", or leave `evidence` out.'
+            )
+            yield fault((i, "evidence"), text, stage.evidence)
 
 
 def _continued(stage: Stage) -> Stage:

@@ -6,7 +6,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from regframe.catalog import METRICS
+from regframe.catalog import METRICS, TRANSFORMS
 from regframe.engine.base import Result
 from regframe.geometry import AffineMap, Grid
 from regframe.report import records
@@ -58,9 +58,22 @@ def facts(result: Result) -> list[tuple[str, str]]:
         ("preset", result.preset.name),
         ("images", f"{fixed} (fixed), {moving} (moving)"),
         ("map", describe(result)),
+        *_choices(result),
         ("metric", f"{METRICS.name_of(metric)} {first:.5g} to {last:.5g} on the last level, lower is better"),
         ("stopped by", result.stop),
         ("effort", f"{evaluations} evaluations, {seconds:.2f} s"),
+    ]
+
+
+def _choices(result: Result) -> list[tuple[str, str]]:
+    """What became of each stage that needed evidence."""
+    return [
+        (
+            f"stage {choice.stage + 1}",
+            f"{TRANSFORMS.name_of(result.preset.stages[choice.stage].transform)} "
+            f"{'kept' if choice.kept else 'not kept'}: {choice.reason}",
+        )
+        for choice in result.choices
     ]
 
 

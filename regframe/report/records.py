@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
@@ -90,6 +91,7 @@ def result_record(result: Result, *, verdict: bool = True) -> dict[str, Any]:
         "iterations": sum(level.iterations for level in result.levels),
         "evaluations": sum(level.evaluations for level in result.levels),
         "levels": [_level(result, index) for index in range(len(result.levels))],
+        "choices": [{**asdict(choice), "reason": choice.reason} for choice in result.choices],
         "preset": dump(result.preset),
         "provenance": dict(result.provenance),
     }

@@ -132,7 +132,8 @@ def visual_thermal(
     thermal_shape : tuple of int, optional
         Thermal pixels, (ny, nx); by default four fifths of the visual frame.
     truth : Warp, optional
-        From visual to thermal pixels, affine; by default `draw_misalignment`.
+        From visual to thermal pixels, of a family that holds inverses, such as `projective-radial`; by
+        default `draw_misalignment`.
     noise : float
         Strength of the noise of both sensors; 1 is typical, 0 is none.
     hot_pixels : int
@@ -146,7 +147,7 @@ def visual_thermal(
     Raises
     ------
     GeometryError
-        The true warp is not affine, or shows parts that were not painted.
+        The true warp has no inverse, or shows parts that were not painted.
 
     Examples
     --------
@@ -157,10 +158,11 @@ def visual_thermal(
     fixed = Grid.of_shape(shape)
     moving = Grid.of_shape(thermal_shape or (round(shape[0] * 0.8), round(shape[1] * 0.8)))
     truth = draw_misalignment(seed, fixed, moving) if truth is None else truth
-    back = _affine(truth).inverse()
+    affine = truth.as_affine()
+    back = truth.inverse() if affine is None else affine.inverse()
     canvas = _scene(seed, shape)
     light = _expose(canvas, canvas.light, fixed.points(fixed.all_indices()), LIGHT_BLUR_PX)
-    blur = HEAT_BLUR_PX * float(np.sqrt(abs(np.linalg.det(back.matrix))))
+    blur = HEAT_BLUR_PX * _enlargement(back, moving)
     heat = _expose(canvas, canvas.heat, back(moving.points(moving.all_indices())), blur)
     rng = np.random.default_rng((seed, 2))
     visual = _visual_camera(light.reshape(fixed.shape), noise, rng)
@@ -205,15 +207,13 @@ def smooth_pair(kind: Modality = "mono", shape: tuple[int, ...] = (48, 56), *, s
     return Phantom(images[0], images[1], truth)
 
 
-def _affine(truth: Warp) -> AffineMap:
-    affine = truth.as_affine()
-    if affine is None:
-        message = (
-            f"a phantom's truth must be affine. Got a {type(truth.transform).__name__} warp. "
-            "Use Similarity or Affine."
-        )
-        raise GeometryError(message)
-    return affine
+def _enlargement(back: Warp | AffineMap, moving: Grid) -> float:
+    """Visual lengths over thermal ones in the middle of the thermal frame."""
+    if isinstance(back, AffineMap):
+        return float(np.sqrt(abs(np.linalg.det(back.matrix))))
+    steps = 0.5 * np.eye(2)
+    slopes = back(moving.centre + steps) - back(moving.centre - steps)
+    return float(np.sqrt(abs(np.linalg.det(slopes))))
 
 
 def _scene(seed: int, shape: tuple[int, int]) -> Canvas:

@@ -27,6 +27,8 @@ VARIANTS = [(INTERPOLATORS, {"type": "bspline", "order": order}) for order in (0
     (OPTIMIZERS, {"type": "conjugate-gradient-line-search", "estimate_learning_rate": "never"}),
     (OPTIMIZERS, {"type": "gradient-descent", "estimate_learning_rate": "each-iteration"}),
     (OPTIMIZERS, {"type": "lbfgsb", "lower": -9.0, "upper": 9.0}),
+    (OPTIMIZERS, {"type": "multi-start", "optimizer": "lbfgsb", "starts": 5}),
+    (OPTIMIZERS, {"type": "nelder-mead", "bound": 12.0, "restarts": 0}),
     (OPTIMIZERS, {"type": "one-plus-one", "variates": "numpy", "radius": 1.0}),
     (OPTIMIZERS, {"type": "regular-step-gradient-descent", "estimate_learning_rate": "once"}),
 ]

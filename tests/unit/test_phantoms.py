@@ -15,6 +15,7 @@ from regframe.testing.phantoms import (
 )
 from regframe.transforms.affine import Affine, from_factors
 from regframe.transforms.base import Transform
+from regframe.transforms.projective_radial import ProjectiveRadial
 from regframe.transforms.translation import Translation
 from regframe.transforms.warp import Warp
 
@@ -149,10 +150,24 @@ def test_truth_may_be_affine():
     assert phantom.truth is truth
 
 
-def test_truth_that_is_not_affine_is_refused():
+def test_truth_may_bend_as_a_lens_does():
+    frame = Frame.about_centre(GRID, GRID)
+    truth = Warp(ProjectiveRadial(), np.array([1.1, 0, 0, 1.1, 2.0, 0, 0.02, 0, -0.05]), frame)
+
+    phantom = visual_thermal(1, SHAPE, thermal_shape=SHAPE, truth=truth, noise=0.0)
+    straight = visual_thermal(
+        1, SHAPE, thermal_shape=SHAPE, truth=Warp(Affine(), truth.params[:6], frame), noise=0.0
+    )
+
+    # The same middle, another rim.
+    gap = np.abs(phantom.moving.values - straight.moving.values)
+    assert gap[44:52, 60:68].mean() < gap[:8].mean() / 3
+
+
+def test_truth_without_an_inverse_is_refused():
     truth = Warp(Wavy(), np.array([2.0]), Frame.about_centre(GRID))
 
-    with pytest.raises(GeometryError, match="must be affine"):
+    with pytest.raises(GeometryError, match="no closed inverse"):
         visual_thermal(1, SHAPE, truth=truth)
 
 

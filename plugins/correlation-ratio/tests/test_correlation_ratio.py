@@ -1,4 +1,4 @@
-from regframe.testing.checks import conformance
+from regframe.testing import conformance
 from regframe_correlation_ratio import CorrelationRatio
 
 test_conformance = conformance(CorrelationRatio())

@@ -108,6 +108,17 @@ def test_a_users_own_metric_is_checked_by_pairs(pair):
     assert any("CorrelationRatio" in line.why for line in report.lines)
 
 
+def test_a_report_of_a_users_own_metric_is_written_without_curves(pair, tmp_path):
+    METRICS.register("my-ratio")(CorrelationRatio)
+    try:
+        report = crosscheck({"stages": [{**STAGE, "metric": "my-ratio"}]}, *pair)
+        report.save(tmp_path / "out")
+    finally:
+        METRICS.forget("my-ratio")
+
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(FILES)
+
+
 def test_volumes_are_compared_in_millimetres():
     grid = regframe.Grid((12, 14, 16), (1.0, 1.1, 1.5), (3.0, 0.0, 0.0), tuple(map(tuple, np.eye(3))))
     pair = peer.pair((12, 14, 16), grid=grid)

@@ -1,0 +1,72 @@
+"""The comparison of metrics and the robustness benchmark run, and tell good from bad, on phantoms."""
+
+import json
+
+import numpy as np
+import pytest
+from benchmarks import cases, multimodal, robustness
+from benchmarks.made import put
+
+from regframe.catalog import METRICS
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(autouse=True)
+def phantoms(tmp_path, monkeypatch):
+    monkeypatch.setattr(cases, "DATA", tmp_path)
+
+
+def test_the_true_warp_of_a_case_is_true():
+    """A case whose moving frame is the visual one too: mean squares has its optimum at the truth."""
+    scene = cases.phantom(1)
+    same = cases.Scene(scene.name, scene.visual, scene.visual)
+    case = cases.drawn(same, multimodal.REACH, np.random.default_rng(1))
+
+    found = multimodal.measure(METRICS.build("mean-squares"), [case])
+
+    assert max(found.off) == 0.0
+    assert found.ends[0.0][0] < 0.1
+
+
+def test_a_metric_for_one_modality_is_worse_than_one_for_two():
+    pairs = list(cases.each(multimodal.REACH, most=1))
+
+    plain, edges = (
+        multimodal.measure(METRICS.build(name), pairs)
+        for name in ("mean-squares", "normalised-gradient-fields")
+    )
+
+    assert np.median(edges.off) < np.median(plain.off)
+
+
+@pytest.mark.parametrize("name", robustness.FACTORS)
+def test_the_largest_amount_makes_a_case(name):
+    factor, scene = robustness.FACTORS[name], cases.phantom(1)
+
+    case = factor.make(scene, factor.amounts[-1], np.random.default_rng(1))
+
+    assert case.fixed.grid.shape == case.moving.grid.shape
+    assert np.ptp(case.moving.values) > 50
+
+
+def test_runs_are_kept_and_not_repeated(tmp_path, monkeypatch):
+    monkeypatch.setattr(robustness, "error", lambda *_: 0.5)
+    file = tmp_path / "results.json"
+
+    first = robustness.run(["visual-thermal"], ["contrast"], cases.scenes(1), file)
+    monkeypatch.setattr(robustness, "error", lambda *_: float("inf"))
+    again = robustness.run(["visual-thermal"], ["contrast"], cases.scenes(1), file)
+
+    assert again == first == json.loads(file.read_text())
+    assert robustness.table(first, ["visual-thermal"], ["contrast"]).endswith("0: 100% · 1: 100% |")
+
+
+def test_measured_parts_are_put_between_their_marks(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- a: measured -->\nold\n<!-- a: end -->\nafter\n")
+
+    put(page, "a", "new\n")
+    put(page, "a", "newer\n")
+
+    assert page.read_text() == "before\n<!-- a: measured -->\nnewer\n\n<!-- a: end -->\nafter\n"
