@@ -1,5 +1,6 @@
 """Write the pages that are made from the code: `make docs`."""
 
+import re
 from inspect import cleandoc
 from pathlib import Path
 
@@ -11,6 +12,10 @@ from regframe.peer import agreement, settings
 
 PAGE = Path(__file__).parent / "reference" / "components.md"
 AGREEMENT = Path(__file__).parent / "explanation" / "agreement.md"
+GUIDES = sorted((Path(__file__).parent / "how-to").glob("write-*.md"))
+INCLUDED = re.compile(
+    r"(<!-- the file (\S+), by `make docs` -->\n```python\n).*?^(```\n)", re.DOTALL | re.MULTILINE
+)
 MADE = "<!-- made from here by `make docs` -->\n"
 
 HEAD = """\
@@ -63,6 +68,18 @@ def agreement_page() -> str:
     return f"{text}{MADE}\n{agreement.table({'settings': settings.rows()})}"
 
 
+def guide(path: Path) -> str:
+    """A page whose text stands, with the plugin's file that it names put in."""
+    root = Path(__file__).parents[1]
+
+    def included(found: re.Match[str]) -> str:
+        return found[1] + (root / found[2]).read_text(encoding="utf-8") + found[3]
+
+    return INCLUDED.sub(included, path.read_text(encoding="utf-8"))
+
+
 if __name__ == "__main__":
+    for page_of_kind in GUIDES:
+        page_of_kind.write_text(guide(page_of_kind), encoding="utf-8")
     PAGE.write_text(page(), encoding="utf-8")
     AGREEMENT.write_text(agreement_page(), encoding="utf-8")

@@ -240,7 +240,8 @@ def main(arguments: list[str] | None = None) -> None:
     sys.stdout.write(text)
     if asked.write:
         draw(results, asked.methods, FIGURE)
-        put(PAGE, "robustness", text)
+        figure = f"![Share of runs that succeed against each difficulty](../images/{FIGURE.name})"
+        put(PAGE, "robustness", f"{text}\n{figure}\n")
 
 
 if __name__ == "__main__":

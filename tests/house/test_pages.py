@@ -96,7 +96,7 @@ def test_code_runs(page, folder, monkeypatch):
             run(block, vars(module), folder, monkeypatch)
 
 
-@pytest.mark.parametrize("page", pages(), ids=named)
+@pytest.mark.parametrize("page", [*pages(), *(REPOSITORY / "plugins").rglob("README.md")], ids=named)
 def test_links_lead_somewhere(page):
     links = LINK.findall(page.read_text(encoding="utf-8"))
 
