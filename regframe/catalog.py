@@ -41,6 +41,7 @@ TRANSFORMS: "Registry[Transform]" = Registry(
     {
         "affine": "regframe.transforms.affine:Affine",
         "bspline": "regframe.transforms.bspline:BSpline",
+        "displacement-field": "regframe.transforms.displacement_field:DisplacementField",
         "projective": "regframe.transforms.projective:Projective",
         "projective-radial": "regframe.transforms.projective_radial:ProjectiveRadial",
         "rigid": "regframe.transforms.rigid:Rigid",

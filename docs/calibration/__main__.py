@@ -64,7 +64,7 @@ def _table(options: argparse.Namespace) -> None:
     for record in records(options.maps):
         case = known.get((record["kind"], record["name"]))
         if case is not None and "map" in record:
-            rows.append(cells(measure(record, case)))
+            rows += map(cells, measure(record, case))
     with TABLE.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([HEAD, *sorted(rows)])
     print(f"{len(rows)} rows in {TABLE}")

@@ -112,7 +112,8 @@ def _frame(path: Path) -> Image:
     return Image.of_array(np.asarray(image.values, np.float32), name=path.name)
 
 
-def _rng(*words: object) -> np.random.Generator:
+def random_of(*words: object) -> np.random.Generator:
+    """Chance that depends on nothing but some words."""
     return np.random.default_rng(zlib.crc32("|".join(map(str, words)).encode()))
 
 
@@ -153,7 +154,7 @@ def _cut(visual: Image, thermal: Image, level: str, rng: np.random.Generator) ->
 
 
 def _warped(visual: Path, thermal: Path, level: str, time: int) -> tuple[Image, Image, Error]:
-    fixed, moving, truth = _cut(_frame(visual), _frame(thermal), level, _rng(visual.stem, level, time))
+    fixed, moving, truth = _cut(_frame(visual), _frame(thermal), level, random_of(visual.stem, level, time))
     return fixed, moving, error_of(truth, fixed.grid)
 
 
@@ -204,6 +205,6 @@ def _wrong(visual: Path, thermal: Path) -> tuple[Image, Image, None]:
 
 def _spoilt(visual: Path, thermal: Path, spoil: str) -> tuple[Image, Image, Error | None]:
     """A medium case made hard or hopeless."""
-    rng = _rng(visual.stem, spoil)
+    rng = random_of(visual.stem, spoil)
     fixed, moving, truth = _cut(_frame(visual), _frame(thermal), "medium", rng)
     return SPOILS[spoil](fixed, moving, truth, rng)

@@ -8,15 +8,18 @@ from pathlib import Path
 from time import process_time
 
 import numpy as np
-from cases import Case
+from cases import Case, random_of
 
 from regframe.engine.native import filtered
 from regframe.engine.run import as_preset, register
 from regframe.errors import RegframeError
-from regframe.geometry import AffineMap, Frame
-from regframe.transforms.warp import Warp
+from regframe.geometry import AffineMap, Frame, Grid
+from regframe.testing.phantoms import misalignment
+from regframe.transforms.warp import Chain, Warp
 from regframe.verdict import backward
 from regframe.verdict.evidence import Evidence, gather, round_trip
+
+RIGHT_PX = 3.0
 
 
 @dataclass(frozen=True)
@@ -67,14 +70,33 @@ def run(case: Case, preset: str, *, back: bool) -> dict:
     }
 
 
-def measure(record: dict, case: Case) -> Row:
-    """The evidence on the map of a record."""
-    fixed, moving, _ = case.load()
+def measure(record: dict, case: Case) -> Iterator[Row]:
+    """The evidence on the map of a record, and on the same map pushed aside where it was right."""
+    fixed, moving, error = case.load()
     there, back = (_warp(record[name], image) for name, image in (("map", fixed), ("back", moving)))
-    apart = round_trip(there, back, fixed.grid, moving.grid) if record["searched_back"] else None
     images = filtered(as_preset(record["preset"]), fixed, moving)
-    evidence = gather(*images, there, round_trip_px=apart)
-    return Row(record["preset"], case.kind, case.name, case.scenes, record["error_px"], evidence)
+
+    def row(kind: str, warp: Warp | Chain) -> Row:
+        apart = round_trip(warp, back, fixed.grid, moving.grid) if record["searched_back"] else None
+        far = None if error is None else error(warp)
+        evidence = gather(*images, warp, round_trip_px=apart)
+        return Row(record["preset"], kind, case.name, case.scenes, far, evidence)
+
+    yield row(case.kind, there)
+    if error is not None and error(there) <= RIGHT_PX:
+        # Searches end at the right place or far from it; near misses are what a wrong model leaves.
+        yield row("displaced", pushed(there, fixed.grid, random_of(case.kind, case.name)))
+
+
+def pushed(warp: Warp, grid: Grid, rng: np.random.Generator) -> Chain:
+    """A map and, before it, a small motion of the fixed frame: between 2 and 40 pixels, most of them few."""
+    length = 2.0 * 20.0 ** rng.uniform()
+    share = rng.dirichlet((1.0, 0.5, 0.5)) * length
+    radius, towards = float(np.hypot(*grid.shape)) / 2, rng.uniform(0.0, 2.0 * np.pi)
+    turn, stretch = share[1:] / radius * rng.choice([-1.0, 1.0], 2)
+    shift = share[0] * np.array([np.cos(towards), np.sin(towards)])
+    motion = misalignment(grid, grid, angle_deg=np.rad2deg(turn), scale=1.0 + stretch, shift_px=shift)
+    return warp @ motion
 
 
 def _warp(matrix: list | None, image) -> Warp | None:

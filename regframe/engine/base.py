@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from regframe.engine.candidate import Candidate
 from regframe.engine.choice import Choice
 from regframe.engine.setting import Placement
 from regframe.errors import GeometryError
-from regframe.geometry import AffineMap
+from regframe.geometry import AffineMap, Frame
 from regframe.image import Image
 from regframe.preset import Preset
 from regframe.transforms.warp import Chain, Warp
@@ -22,6 +22,9 @@ from regframe.types import Matrix, Params
 
 if TYPE_CHECKING:
     from regframe.verdict.verdict import Verdict
+
+MOST_KEPT = 10_000
+"""Parameters of a step that a result keeps: hundreds of steps of a field would fill the memory."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,10 +62,17 @@ class Progress:
     evaluations: int
     candidate: int = 0
 
+    def kept(self) -> "Progress":
+        """The step as a result keeps it: without parameters where they are more than `MOST_KEPT`."""
+        return self if len(self.params) <= MOST_KEPT else replace(self, params=self.params[:0].copy())
+
 
 @dataclass(frozen=True, slots=True)
 class LevelReport:
-    """How one level went: sizes, metric at its start and end, and why it stopped."""
+    """How one level went: sizes, metric at its start and end, and why it stopped.
+
+    `params` are the searched map's at the end of the level, and `frame` is what they speak of.
+    """
 
     stage: int
     level: int
@@ -75,6 +85,7 @@ class LevelReport:
     stop: str
     seconds: float
     params: tuple[float, ...]
+    frame: Frame
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,13 +108,13 @@ class Result:
     fixed, moving : Image
         As they were given, before filters.
     trace : tuple of Progress
-        One entry an iteration.
+        One entry an iteration; of more than `MOST_KEPT` parameters without them.
     start : Warp or Chain, optional
         Where the first stage began.
     candidates : tuple of Candidate
         What a search found, the one that went on first; then those that came furthest, the best first.
     choices : tuple of Choice
-        Of each stage that needed evidence, whether its map was kept and why.
+        Of each stage that needed proof, whether its map was kept and why.
     """
 
     warp: Warp | Chain

@@ -5,7 +5,7 @@ from typing import final
 import numpy as np
 from pydantic import ConfigDict, SkipValidation
 
-from regframe.geometry import AffineMap, Frame
+from regframe.geometry import AffineMap, Frame, Grid
 from regframe.preset import Stage
 from regframe.transforms.base import Transform
 from regframe.transforms.warp import Chain, Warp
@@ -56,6 +56,10 @@ class Followed(Transform):
     def advance(self, params: Params, step: Params, frame: Frame) -> Params:
         """The family's way of taking a step."""
         return self.inner.advance(params, step, frame)
+
+    def adapted(self, params: Params, frame: Frame, grid: Grid, refine: int | None) -> tuple[Params, Frame]:
+        """The family's way of preparing for a level."""
+        return self.inner.adapted(params, frame, grid, refine)
 
     def as_affine(self, params: Params, frame: Frame) -> AffineMap | None:
         """The whole way as a matrix and offset, or None."""

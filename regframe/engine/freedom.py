@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from regframe.engine.followed import alone
 from regframe.errors import PresetError
 from regframe.faults import nearest
 from regframe.geometry import Frame
@@ -39,13 +40,7 @@ def freedom(stage: Stage, frame: Frame, count: int) -> Freedom:
     """
     free, weights = np.ones(count, bool), np.ones(count)
     if stage.weights is not None:
-        if len(stage.weights) != count:
-            message = (
-                f"stages: weights has {len(stage.weights)} numbers and the transform {count} parameters. "
-                "Give one weight a parameter."
-            )
-            raise PresetError(message)
-        weights = np.array(stage.weights)
+        weights = listed("weights", stage.weights, stage, frame, count)
     if stage.frozen:
         free = ~_marked(stage, frame)
         weights = np.where(free, weights, 0.0)
@@ -56,6 +51,28 @@ def freedom(stage: Stage, frame: Frame, count: int) -> Freedom:
         )
         raise PresetError(message)
     return Freedom(free, weights)
+
+
+def listed(what: str, numbers: tuple[float, ...], stage: Stage, frame: Frame, count: int) -> Params:
+    """A stage's list of numbers, one a parameter; of families of points, one an axis.
+
+    Raises
+    ------
+    PresetError
+        Another number of them.
+    """
+    local = alone(stage.transform).local
+    wanted = frame.dim if local else count
+    if len(numbers) != wanted:
+        per = "an axis" if local else "a parameter"
+        known = "axes" if local else "parameters"
+        names = "" if local or count > MOST_NAMES else f" ({', '.join(stage.transform.names(frame))})"
+        message = (
+            f"stages: {what} has {len(numbers)} numbers and the transform {wanted} {known}{names}. "
+            f"Give one number {per}."
+        )
+        raise PresetError(message)
+    return np.tile(np.array(numbers), count // wanted)
 
 
 def _marked(stage: Stage, frame: Frame) -> Mask:

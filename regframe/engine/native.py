@@ -16,7 +16,7 @@ from regframe.engine.provenance import provenance
 from regframe.engine.scales import coordinates
 from regframe.engine.scene import Scene, prepare
 from regframe.engine.search import search
-from regframe.engine.setting import Placement, Setting, begun, opened
+from regframe.engine.setting import Placement, Setting, begun, opened, taken_up
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
@@ -80,10 +80,10 @@ class _Run:
         self.last: LevelReport | None = None
 
     def earned(self, trial: "_Trial", simpler: Warp) -> bool:
-        """Whether the stage's map stays; asked of stages that need evidence."""
-        if trial.stage.evidence is not None:
+        """Whether the stage's map stays; asked of stages that need proof."""
+        if trial.stage.proof is not None:
             self.choices.append(trial.choice(self.pyramid, simpler))
-        kept = trial.stage.evidence is None or self.choices[-1].kept
+        kept = trial.stage.proof is None or self.choices[-1].kept
         self.last = self.reports[-1] if kept or self.last is None else self.last
         return kept
 
@@ -149,6 +149,7 @@ class _Level:
     ) -> Generator[Progress, None, tuple[Warp, LevelReport]]:
         """Improve a warp until the optimizer or the limit stops it."""
         level_began = perf_counter()
+        warp = taken_up(warp, self.setting, self.level)
         scene, self.next_seed = self.scene(pyramid, warp)
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, pyramid.images[1].grid)
         objective = Objective(self.stage, scene, warp.frame, space)
@@ -163,9 +164,9 @@ class _Level:
                 stop = str(end.value)
                 break
             at = problem.whole(step.params)
-            when = (count, perf_counter() - began, candidate)
-            trace.append(self.progress(step, objective, at, *when))
-            yield trace[-1]
+            progress = self.progress(step, objective, at, count, perf_counter() - began, candidate)
+            trace.append(progress.kept())
+            yield progress
         steps.close()
         found = Warp(warp.transform, objective.settled(at), warp.frame)
         return found, self.report(
@@ -209,6 +210,7 @@ class _Level:
             stop=stop,
             seconds=seconds,
             params=tuple(map(float, found.params)),
+            frame=found.frame,
         )
 
 
@@ -228,7 +230,7 @@ class _Trial:
         gains = held_out_gains(
             lambda part: self.fitted(Pyramid(part, moving), simpler), fixed, whole, simpler.params
         )
-        return chosen(self.number, gains, self.stage.evidence or 0.0)
+        return chosen(self.number, gains, self.stage.proof or 0.0)
 
     def fitted(self, pyramid: Pyramid, warp: Warp) -> Warp:
         """Where the stage ends with other images."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from regframe.engine.followed import alone
-from regframe.engine.freedom import Freedom, freedom
-from regframe.errors import GeometryError, PresetError
+from regframe.engine.freedom import Freedom, freedom, listed
+from regframe.errors import GeometryError
 from regframe.geometry import Frame, Grid
 from regframe.preset import Stage
 from regframe.transforms.base import Transform
@@ -72,13 +72,8 @@ def coordinates(
         return Coordinates(params, unit, plain, freed), np.zeros_like(params)
     nowhere = np.zeros_like(params)
     if isinstance(stage.scales, tuple):
-        if len(stage.scales) != count:
-            message = (
-                f"stages: scales has {len(stage.scales)} numbers and the transform {count} parameters "
-                f"({', '.join(stage.transform.names(frame))}). Give one scale a parameter."
-            )
-            raise PresetError(message)
-        return Coordinates(nowhere, plain, np.array(stage.scales), freed), params
+        scales = listed("scales", stage.scales, stage, frame, count)
+        return Coordinates(nowhere, plain, scales, freed), params
     estimate = _itk_scales(stage.scales, stage.transform, params, frame, level_grid, moving)
     return Coordinates(nowhere, plain, estimate, freed), params
 
@@ -88,13 +83,17 @@ def _itk_scales(
 ) -> Params:
     curved = alone(transform).as_affine(params, frame) is None
     points = _central_block(grid) if curved else grid.corners()
+    if kind == "jacobian" and alone(transform).local:
+        # Each point's motion is its parameters.
+        return np.ones_like(params)
     if kind == "jacobian":
         slopes = _jacobian(transform, params, points, frame)
         return _moving_all(np.asarray((slopes**2).sum(axis=2).mean(axis=1)), kind)
-    shifts, here = np.empty_like(params), transform.map(params, points, frame)
-    for i in range(len(params)):
+    chosen = _tried(transform, params, frame)
+    shifts, here = np.empty(len(chosen)), transform.map(params, points, frame)
+    for i, parameter in enumerate(chosen):
         step = np.zeros_like(params)
-        step[i] = VARIATION
+        step[parameter] = VARIATION
         there = transform.map(transform.advance(params, step, frame), points, frame)
         shifts[i] = _largest(kind, here, there, moving)
     eps = float(np.finfo(np.float64).eps)
@@ -102,10 +101,21 @@ def _itk_scales(
         message = f"No parameter moves anything, so {kind!r} has no scale to give. Give `scales` as a list."
         raise GeometryError(message)
     least = shifts[shifts > eps].min()
+    if alone(transform).local:
+        return np.tile(np.where(shifts <= eps, least, shifts) ** 2 / VARIATION**2, len(params) // frame.dim)
     if curved:
         # ITK's rule for transforms with local support: one scale for all, and no square.
         return np.full_like(params, least)
     return np.where(shifts <= eps, least, shifts) ** 2 / VARIATION**2
+
+
+def _tried(transform: Transform, params: Params, frame: Frame) -> range:
+    """Parameters whose motion ITK measures: all, or those of a field's central point, which stand for all."""
+    if not alone(transform).local:
+        return range(len(params))
+    shape = (frame.lattice or frame.grid).shape
+    middle = int(np.ravel_multi_index([(n - 1) // 2 for n in shape], shape)) * frame.dim
+    return range(middle, middle + frame.dim)
 
 
 def _central_block(grid: Grid) -> Points:
@@ -156,7 +166,7 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
     """
     level_grid, moving = grids
     curved = alone(stage.transform).as_affine(params, frame) is None
-    if stage.scales == "jacobian":
+    if stage.scales == "jacobian" and not alone(stage.transform).local:
         points = _central_block(level_grid) if curved else level_grid.corners()
         slopes = _jacobian(stage.transform, params, points, frame)
         moved = np.einsum("p,pnd->nd", step, slopes)
@@ -169,6 +179,9 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
     small = VARIATION / largest if estimated and not curved else 1.0
     kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
     points = level_grid.points(level_grid.all_indices()) if curved else level_grid.corners()
+    local = alone(stage.transform).local
     ends = (params, stage.transform.advance(params, step * small, frame))
     here, there = (stage.transform.map(end, points, frame) for end in ends)
+    if kind == "jacobian" and local:
+        return float(np.sqrt(((there - here) ** 2).sum(axis=1)).mean())
     return _largest(kind, here, there, moving) / small

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from regframe.errors import GeometryError
 from regframe.geometry import Grid
 from regframe.image import Image
-from regframe.preset import Stage
+from regframe.preset import Level, Stage
 from regframe.transforms.warp import Chain, Warp
 
 Map = Warp | Chain
@@ -119,6 +119,13 @@ def begun(stages: tuple[Stage, ...], place: Placement) -> tuple[Stage, ...]:
     if place.moving_initial is not None:
         return (stages[0].model_copy(update={"start": "compose"}), *stages[1:])
     return stages
+
+
+def taken_up(warp: Warp, setting: Setting, level: Level) -> Warp:
+    """The searched map as a level takes it up: a lattice of its own may be laid anew."""
+    grid = setting.domain.coarsen(level.shrink)
+    params, frame = warp.transform.adapted(warp.params, warp.frame, grid, level.refine)
+    return Warp(warp.transform, params, frame)
 
 
 def _joined(*maps: Map | None) -> Map:

@@ -98,6 +98,10 @@ def _continued(stage: Stage, before: Warp | Chain, moving: Image) -> Warp:
     # Equal options, not only the same class: another mesh or order gives the same numbers another meaning.
     if isinstance(before, Warp) and before.transform == stage.transform:
         return Warp(stage.transform, before.params, frame)
+    frame = replace(frame, lattice=None)
+    if stage.transform.local:
+        points = frame.grid.points(frame.grid.all_indices())
+        return Warp(stage.transform, (before(points) - points).ravel(), frame)
     affine, straight = before.as_affine(), before.as_homogeneous()
     if affine is not None:
         return Warp(stage.transform, stage.transform.from_affine(affine, frame), frame)

@@ -25,18 +25,7 @@ class BSpline(Interpolator):
 
     def prepare(self, volume: Volume) -> Volume:
         """Spline coefficients: the recursive prefilter along x, then y, then z."""
-        poles = np.array(spline.POLES[self.order])
-        coefficients = np.array(volume, np.float64)
-        if not len(poles):
-            return coefficients
-        for axis in range(volume.ndim - 1, -1, -1):
-            if volume.shape[axis] == 1:
-                continue
-            turned = np.ascontiguousarray(np.moveaxis(coefficients, axis, -1))
-            lines = turned.reshape(-1, volume.shape[axis])
-            share(spline.filter_lines, len(lines), lines, poles)
-            coefficients = np.ascontiguousarray(np.moveaxis(turned, -1, axis))
-        return coefficients
+        return spline.prefilter(volume, self.order)
 
     def sample(self, coefficients: Volume, indices: Indices) -> Values:
         """Values at (n, dim) indices, array order."""

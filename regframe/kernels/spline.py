@@ -8,7 +8,7 @@ is one slice. `matrix` is (3, 4), array order, and sums x first.
 
 import numpy as np
 
-from regframe.kernels.jit import kernel
+from regframe.kernels.jit import kernel, share
 from regframe.types import Bins, Indices, Matrix, Values, Volume
 
 U = np.uint64
@@ -47,6 +47,20 @@ def filter_lines(first: int, last: int, lines: Volume, poles: Values) -> None:
             y[n - 1] = (z / (z * z - 1.0)) * (z * y[n - 2] + y[n - 1])
             for k in range(n - 2, -1, -1):
                 y[k] = z * (y[k + 1] - y[k])
+
+
+def prefilter(samples: Volume, order: int) -> Volume:
+    """Spline coefficients of samples, (ny, nx) or (nz, ny, nx), in a new array; the first axis last."""
+    poles, coefficients = np.array(POLES[order]), np.array(samples, np.float64)
+    if not len(poles):
+        return coefficients
+    for axis in range(samples.ndim - 1, -1, -1):
+        if samples.shape[axis] > 1:
+            turned = np.ascontiguousarray(np.moveaxis(coefficients, axis, -1))
+            lines = turned.reshape(-1, samples.shape[axis])
+            share(filter_lines, len(lines), lines, poles)
+            coefficients = np.ascontiguousarray(np.moveaxis(turned, -1, axis))
+    return coefficients
 
 
 @kernel

@@ -9,12 +9,17 @@ import numpy as np
 
 from regframe.engine.followed import followed
 from regframe.engine.scales import Coordinates, coordinates
-from regframe.engine.setting import Setting
+from regframe.engine.setting import Setting, taken_up
+from regframe.errors import NoTwin
 from regframe.image import Image
 from regframe.kernels.jit import threads
+from regframe.optimizers.base import Optimizer
+from regframe.optimizers.gradient_descent import GradientDescent
+from regframe.optimizers.regular_step_gradient_descent import RegularStepGradientDescent
 from regframe.peer import convert, twins
 from regframe.peer.twins import Terms
 from regframe.preset import Level, Stage
+from regframe.transforms.bspline import BSpline
 from regframe.transforms.warp import Warp
 
 if TYPE_CHECKING:
@@ -44,13 +49,49 @@ def in_its_terms(stage: Stage, warp: Warp, moving: Image, setting: Setting) -> T
     GeometryError
         A parameter that moves nothing.
     """
-    grid = setting.domain.coarsen(stage.levels[0].shrink)
+    grid, warp = setting.domain.coarsen(stage.levels[0].shrink), taken_up(warp, setting, stage.levels[0])
     whole = followed(stage, setting.beyond)
     space, _ = coordinates(whole, warp.params, warp.frame, grid, moving.grid)
     if stage.scales == "shift" and np.allclose(space.unit, 1.0, rtol=0, atol=1e-6):
         # A translation's parameters are motion already.
         stage = stage.model_copy(update={"scales": (1.0,) * len(space.unit)})
-    return _weighed(twins.terms(stage.optimizer, stage, space.unit), space)
+    terms = _weighed(twins.terms(stage.optimizer, stage, space.unit), space)
+    return _of_points(terms, warp.frame.dim) if stage.transform.local else terms
+
+
+def _of_points(terms: Terms, dim: int) -> Terms:
+    """The terms of a family with parameters at every point: ITK's numbers are one an axis.
+
+    Raises
+    ------
+    NoTwin
+    """
+    stage, notes, alike = terms.stage, terms.notes, terms.alike
+    optimizer = stage.optimizer
+    numbers = stage.scales if isinstance(stage.scales, tuple) else ()
+    uneven = any(
+        listed != listed[:dim] * (len(listed) // dim) for listed in (numbers, terms.weights) if listed
+    )
+    # It asks its regular steps for a scale a parameter there, and then finds that these are too many.
+    walks = optimizer.weighs and not isinstance(optimizer, RegularStepGradientDescent)
+    if not walks or uneven or any(level.sampling != "all" for level in stage.levels):
+        message = (
+            "SimpleITK fits displacement fields by gradient descent, with line searches or without, on every "
+            f"grid point, and weighs axes but not points. Got {type(optimizer).__name__}. Change that part, "
+            "or use the native engine."
+        )
+        raise NoTwin(message)
+    if twins.summed(stage.metric) and not _sizeless(optimizer):
+        notes = (*notes, "SimpleITK's slopes of this metric by a field are not divided by the samples")
+        alike = False
+    if numbers:
+        stage = stage.model_copy(update={"scales": numbers[:dim]})
+    return replace(terms, stage=stage, notes=notes, alike=alike, weights=terms.weights[:dim])
+
+
+def _sizeless(optimizer: Optimizer) -> bool:
+    """Whether a descent's steps do not depend on the size of slopes."""
+    return isinstance(optimizer, GradientDescent) and optimizer.estimate_learning_rate == "each-iteration"
 
 
 def _weighed(terms: Terms, space: Coordinates) -> Terms:
@@ -93,15 +134,55 @@ def told(part: Part, fixed: Image, moving: Image) -> "Method":
     return method
 
 
-def put(method: "Method", part: Part, warp: Warp) -> "sitk.Transform":
-    """Tell a method all maps; what is given back is the searched one, which it changes in place."""
-    moved, setting = convert.transform(warp), part.setting
+def put(method: "Method", part: Part, warp: Warp, *, adapting: bool = False) -> "sitk.Transform":
+    """Tell a method all maps; what is given back is the searched one, which it changes in place.
+
+    Parameters
+    ----------
+    warp : Warp
+        As a level has taken it up; or, where the method is `adapting`, as it is before the part's levels.
+    """
+    setting = part.setting
+    if adapting and warp.transform.local:
+        # It shrinks the grid of the field that it is given.
+        params, frame = warp.transform.adapted(warp.params, warp.frame, setting.domain, None)
+        warp = Warp(warp.transform, params, frame)
+    moved = convert.transform(warp)
     if setting.below is not None:
         method.SetFixedInitialTransform(convert.transform(setting.below))
     if setting.beyond is not None:
         method.SetMovingInitialTransform(convert.centred(setting.beyond, warp.frame))
-    method.SetInitialTransform(moved, True)
+    factors = _factors(part, warp) if adapting else []
+    if any(factors):
+        method.SetInitialTransformAsBSpline(moved, True, factors)
+    else:
+        method.SetInitialTransform(moved, True)
     return moved
+
+
+def _factors(part: Part, warp: Warp) -> list[int]:
+    """By how much each level divides the cells that a B-spline has before them; 0 leaves them.
+
+    Raises
+    ------
+    NoTwin
+        A later level is to be coarser, or finer by no whole number, than one of another call before it.
+    """
+    levels, family = part.levels, warp.transform
+    if not isinstance(family, BSpline) or all(level.refine is None for level in levels):
+        return []
+    now = 1
+    if warp.frame.lattice is not None:
+        now = max((warp.frame.lattice.shape[-1] - family.order) // family.mesh[0], 1)
+    wanted = [level.refine or 0 for level in levels]
+    if any(factor % now for factor in wanted):
+        message = (
+            f"SimpleITK multiplies the cells that a call begins with, here {now} times the mesh, so it "
+            f"cannot refine by {wanted}. Give all levels equal `iterations` and `sampling`: then they are "
+            "one call."
+        )
+        raise NoTwin(message)
+    return [factor // now for factor in wanted]
 
 
 def tell_optimizer(method: "Method", terms: Terms, iterations: int, seed: int) -> None:

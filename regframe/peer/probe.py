@@ -1,5 +1,6 @@
 """Single numbers asked of SimpleITK: a metric's value, its slope, smoothed and interpolated images."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +36,7 @@ def value_and_count(part: Part, fixed: Image, moving: Image, warp: Warp) -> tupl
     """
     import SimpleITK as sitk
 
+    part, fixed, moving = _levelled(part, (fixed, moving), warp)
     method = told(part, fixed, moving)
     method.SetMetricUseMovingImageGradientFilter(False)
     seen: list[tuple[float, int]] = []
@@ -43,7 +45,11 @@ def value_and_count(part: Part, fixed: Image, moving: Image, warp: Warp) -> tupl
         lambda: seen.append((method.GetMetricValue(), method.GetMetricNumberOfValidPoints())),
     )
     put(method, part, warp)
-    method.SetOptimizerAsExhaustive([0] * len(warp.params), 1.0)
+    if warp.transform.local:
+        # Its lattices count axes where they have parameters, and read beyond the end.
+        method.SetOptimizerAsGradientDescent(1e-300, 1, -1e300, 100, method.Never)
+    else:
+        method.SetOptimizerAsExhaustive([0] * len(warp.params), 1.0)
     _execute(method, (fixed, moving))
     value, count = seen[0]
     return (float("inf") if value > LARGEST else value), count
@@ -57,6 +63,7 @@ def value(part: Part, fixed: Image, moving: Image, warp: Warp) -> float:
     RegframeError
         SimpleITK refuses.
     """
+    part, fixed, moving = _levelled(part, (fixed, moving), warp)
     level = part.levels[0]
     if level.sampling != "all" or level.smooth > 0:
         return value_and_count(part, fixed, moving, warp)[0]
@@ -78,8 +85,16 @@ def derivative(part: Part, fixed: Image, moving: Image, warp: Warp) -> Params:
     A first short step tells how long the second may be: long enough that the position leaves few bits
     behind, and short enough for families whose update is no sum.
     """
-    method = told(part, fixed, moving)
-    method.SetOptimizerScales([1.0] * len(warp.params))
+    import SimpleITK as sitk
+
+    part, fixed, moving = _levelled(part, (fixed, moving), warp)
+    method, counts = told(part, fixed, moving), [1]
+    method.SetOptimizerScales([1.0] * (warp.frame.dim if warp.transform.local else len(warp.params)))
+    if warp.transform.local and twins.summed(part.stage.metric):
+        method.AddCommand(
+            sitk.sitkIterationEvent, lambda: counts.append(method.GetMetricNumberOfValidPoints())
+        )
+    warp = Warp(twins.adding(warp.transform), warp.params, warp.frame)
     slope = np.zeros_like(warp.params)
     rate = 1e-3
     for _ in range(2):
@@ -91,7 +106,7 @@ def derivative(part: Part, fixed: Image, moving: Image, warp: Warp) -> Params:
         if steepest == 0.0:
             break
         rate = 1.0 / steepest
-    return slope
+    return slope / counts[-1]
 
 
 def pushed(part: Part, fixed: Image, moving: Image, warp: Warp) -> tuple[float, Points]:
@@ -175,6 +190,17 @@ def at_points(image: Image, points: Points, name: str, *, double: bool = True) -
 def reference(image: Image) -> "sitk.Image":
     """An empty image on the same grid."""
     return array_to_sitk(np.zeros(image.grid.shape, np.uint8), image.grid)
+
+
+def _levelled(part: Part, pair: tuple[Image, Image], warp: Warp) -> tuple[Part, Image, Image]:
+    """A part for a field on its first level's grid: SimpleITK would shrink the field that it is given."""
+    if not warp.transform.local:
+        return part, *pair
+    level, setting = part.levels[0], part.setting
+    fixed, moving = (smoothed(image, level.smooth, part.stage.smooth_unit) for image in pair)
+    alone = level.model_copy(update={"shrink": 1, "smooth": 0.0})
+    here = replace(setting, domain=setting.domain.coarsen(level.shrink))
+    return Part(part.stage, (alone,), part.seed, here), fixed, moving
 
 
 def _execute(method: "Method", pair: tuple[Image, Image]) -> None:

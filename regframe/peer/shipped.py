@@ -21,8 +21,8 @@ from regframe.metrics.mattes import Mattes
 from regframe.metrics.mean_squares import MeanSquares
 from regframe.peer import twins
 from regframe.transforms import itk
-from regframe.transforms.base import Transform
 from regframe.transforms.bspline import BSpline as BSplineTransform
+from regframe.transforms.displacement_field import DisplacementField
 
 if TYPE_CHECKING:
     import SimpleITK as sitk
@@ -72,6 +72,22 @@ def _(ours: MeanSquares, method: "Method") -> None:
     method.SetMetricAsMeanSquares()
 
 
+@twins.summed.register(AntsCorrelation)
+@twins.summed.register(ItkJointHistogramMi)
+@twins.summed.register(MeanSquares)
+def _(ours: AntsCorrelation | ItkJointHistogramMi | MeanSquares) -> bool:
+    return True
+
+
+@twins.summed.register(Correlation)
+def _(ours: Correlation) -> bool:
+    message = (
+        "SimpleITK's slope of the correlation by a displacement field is not the slope of its value. Choose "
+        "another metric, or use the native engine."
+    )
+    raise NoTwin(message)
+
+
 @twins.interpolator.register(BSpline)
 def _(ours: BSpline) -> str:
     return f"sitkBSpline{ours.order}" if ours.order else "sitkNearestNeighbor"
@@ -104,26 +120,22 @@ def _(ours: WindowedSinc) -> str:
     return f"sitk{ours.window.capitalize()}WindowedSinc"
 
 
-@twins.transform.register(BSplineTransform)
-def _(ours: BSplineTransform, frame: Frame) -> "sitk.Transform":
-    import SimpleITK as sitk
-
-    return _placed(sitk.BSplineTransform(frame.dim, ours.order), ours, frame)
-
-
-def _of_kind(ours: Transform, frame: Frame) -> "sitk.Transform":
-    """An affine family's class by the table that transform files are written with."""
-    import SimpleITK as sitk
-
-    kind = itk.KINDS[type(ours), frame.dim]
-    made = getattr(sitk, kind)(*((frame.dim,) if kind in itk.EITHER else ()))
-    return _placed(made, ours, frame)
-
-
 for _family in {family for family, _ in itk.KINDS}:
-    twins.transform.register(_family, _of_kind)
+    twins.transform.register(_family, itk.made)
+twins.transform.register(BSplineTransform, itk.made)
 
 
-def _placed(theirs: "sitk.Transform", ours: Transform, frame: Frame) -> "sitk.Transform":
-    theirs.SetFixedParameters(itk.fixed_parameters(ours, frame))
+@twins.adding.register(DisplacementField)
+def _(ours: DisplacementField) -> DisplacementField:
+    return DisplacementField()
+
+
+@twins.transform.register(DisplacementField)
+def _(ours: DisplacementField, frame: Frame) -> "sitk.Transform":
+    import SimpleITK as sitk
+
+    theirs = itk.made(ours, frame)
+    if ours.update_variance or ours.total_variance:
+        assert isinstance(theirs, sitk.DisplacementFieldTransform)
+        theirs.SetSmoothingGaussianOnUpdate(ours.update_variance, ours.total_variance)
     return theirs

@@ -12,7 +12,7 @@ from regframe.engine.base import Engine, LevelReport, Progress, Result
 from regframe.engine.native import check_images, filtered
 from regframe.engine.provenance import provenance
 from regframe.engine.sampling import draw
-from regframe.engine.setting import Placement, Setting, begun, opened
+from regframe.engine.setting import Placement, Setting, begun, opened, taken_up
 from regframe.engine.start import begin
 from regframe.errors import NoOverlapError
 from regframe.image import Image
@@ -110,6 +110,7 @@ class _Run:
         for part in divided:
             ended = yield from self._walk(spoken, part, (number, depth), warp)
             for i, end in enumerate(ended):
+                warp = taken_up(warp, setting, part.levels[i])
                 self._report(part, (number, depth + i), i, warp, end)
                 warp = Warp(warp.transform, end.params, warp.frame)
             depth += len(part.levels)
@@ -120,7 +121,7 @@ class _Run:
     ) -> Generator[Progress, None, list[_Seen]]:
         """Run the levels of one call; how each ended."""
         # Refuses a start without overlap in our words, before ITK walks on with the largest double.
-        _start_value(part, self.pair, warp)
+        _start_value(part, self.pair, taken_up(warp, part.setting, part.levels[0]))
         limit, count, level = part.levels[0].iterations, 0, 0
         ended: list[_Seen] = []
         walk: Generator[_Seen, None, None] = lockstep(
@@ -133,13 +134,11 @@ class _Run:
                     count = 0
                     continue
                 level, seconds = place[1] + seen.level, perf_counter() - self.began
-                self.trace.append(
-                    Progress(
-                        place[0], level, count, limit, seen.value, seen.params, seen.size, seconds, count + 2
-                    )
-                )
+                at = (place[0], level, count, limit)
                 count += 1
-                yield self.trace[-1]
+                progress = Progress(*at, seen.value, seen.params, seen.size, seconds, count + 1)
+                self.trace.append(progress.kept())
+                yield progress
         except RuntimeError as error:
             raise translated(error) from None
         finally:
@@ -168,6 +167,7 @@ class _Run:
                 stop=_reason(end.stop, level.iterations),
                 seconds=(walked[-1].seconds if walked else since) - since,
                 params=tuple(map(float, end.params)),
+                frame=start.frame,
             )
         )
 
@@ -189,7 +189,7 @@ def _execute(spoken: Terms, part: Part, pair: tuple[Image, Image], warp: Warp, t
 
     method = told(part, *pair)
     tell_optimizer(method, spoken, part.levels[0].iterations, part.seed)
-    moved = put(method, part, warp)
+    moved = put(method, part, warp, adapting=True)
     values: list[float] = []
     lowest: list[tuple[float, Params]] = []
 

@@ -172,6 +172,18 @@ def sloped(ours: Metric) -> Metric:
     return ours
 
 
+@singledispatch
+def summed(ours: Metric) -> bool:
+    """Whether ITK's slope by a displacement field is a sum over samples, where by other maps it is a mean."""
+    return False
+
+
+@singledispatch
+def adding(ours: Transform) -> Transform:
+    """The family whose steps are sums, of one that smooths them: the same map at the same parameters."""
+    return ours
+
+
 def step(warp: Warp, after: Params) -> Params:
     """The step that an ITK optimizer made to get from a warp's parameters to others.
 
@@ -179,7 +191,7 @@ def step(warp: Warp, after: Params) -> Params:
     """
     ours, before, frame = warp.transform, warp.params, warp.frame
     found = after - before
-    if type(ours).advance is Transform.advance:
+    if type(ours).advance is Transform.advance or (ours == adding(ours) and ours.local):
         return found
     small = 1e-6
     ahead = [ours.advance(before, small * axis, frame) - before for axis in np.eye(len(before))]

@@ -1,6 +1,6 @@
 """The third floor: both engines run the preset from the same start and seed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,8 +108,8 @@ def answers(
     for number, stage in enumerate(begun(result.preset.stages, place)):
         setting = setting.entered(stage, before)
         warp = begin(stage, *pair, before, setting)
-        params = [level.params for level in result.levels if level.stage == number][-1]
-        before = Warp(warp.transform, np.array(params), warp.frame)
+        last = [level for level in result.levels if level.stage == number][-1]
+        before = Warp(warp.transform, np.array(last.params), last.frame)
         found.append((before, setting))
     return found
 
@@ -125,10 +125,14 @@ def compare(runs: Runs, frames: Sequence[Warp], unit: str) -> tuple[list[Line], 
     if runs.simpleitk is None:
         return [incomparable(FLOOR, "both engines from the same start", runs.refusal)], None
     course = _course(runs.native, runs.simpleitk, frames)
+    kept = not any(np.isnan(far) for far in course.apart)
     bound = WALKED if runs.alike else REACHED
     ends = apart(runs.native.warp, runs.simpleitk.warp)
     lines = [measured(FLOOR, "corners of the fixed image under both answers", ends, bound, unit)]
-    if runs.alike:
+    if not kept:
+        why = "the steps of so many parameters are not kept"
+        lines.append(incomparable(FLOOR, "corners along the way, at each iteration", why))
+    elif runs.alike:
         counts = f"{len(runs.native.trace)} and {len(runs.simpleitk.trace)} iterations"
         same = len(runs.native.trace) == len(runs.simpleitk.trace)
         way = largest(course.apart) if same else float("inf")
@@ -161,18 +165,25 @@ def _stops(runs: Runs) -> Line:
 
 def _course(ours: Result, theirs: Result, frames: Sequence[Warp]) -> Course:
     both = list(zip(ours.trace, theirs.trace, strict=False))
+    levels = {
+        (one.stage, one.level): Warp(frames[one.stage].transform, frames[one.stage].params, one.frame)
+        for one in ours.levels
+    }
     begins = [i for i, (step, _) in enumerate(both) if step.iteration == 0]
     return Course(
         tuple(float(step.value) for step in ours.trace),
         tuple(float(step.value) for step in theirs.trace),
-        tuple(_distance(one, other, frames) for one, other in both),
+        tuple(_distance(one, other, levels) for one, other in both),
         tuple(begins),
     )
 
 
-def _distance(one: Progress, other: Progress, frames: Sequence[Warp]) -> float:
-    if one.stage != other.stage or len(one.params) != len(other.params):
+def _distance(one: Progress, other: Progress, levels: Mapping[tuple[int, int], Warp]) -> float:
+    place = (one.stage, one.level)
+    if place != (other.stage, other.level) or len(one.params) != len(other.params):
         return float("inf")
-    frame = frames[one.stage]
+    if not len(one.params):
+        return float("nan")
+    frame = levels[place]
     first, second = (Warp(frame.transform, step.params, frame.frame) for step in (one, other))
     return apart(first, second)

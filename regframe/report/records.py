@@ -7,8 +7,8 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
-from regframe.engine.base import Result, unit_depth
-from regframe.geometry import AffineMap, Frame
+from regframe.engine.base import LevelReport, Result, unit_depth
+from regframe.geometry import AffineMap
 from regframe.preset import dump
 from regframe.transforms.affine import factors
 from regframe.transforms.homography import inverted
@@ -16,6 +16,8 @@ from regframe.transforms.json_files import lattice, record
 from regframe.transforms.linear import translation_about
 from regframe.transforms.warp import Chain
 
+MOST_COLUMNS = 1000
+"""Parameters that tables list one by one."""
 CONVENTION = {
     "direction": (
         "Every map takes a position in the fixed image to the matching position in the moving image, "
@@ -98,12 +100,16 @@ def result_record(result: Result, *, verdict: bool = True) -> dict[str, Any]:
 
 
 def trace_rows(result: Result) -> Iterator[list[str]]:
-    """Rows of ``trace.csv``, the head first: one line an iteration, a column a parameter."""
-    tables = [parameter_names(result, stage) for stage in range(len(result.preset.stages))]
-    columns = list(dict.fromkeys(name for table in tables for name in table))
+    """Rows of ``trace.csv``, the head first: one line an iteration, a column a parameter.
+
+    Levels of more than `MOST_COLUMNS` parameters have none.
+    """
+    tables = {(level.stage, level.level): parameter_names(result, level) for level in result.levels}
+    columns = list(dict.fromkeys(name for table in tables.values() for name in table))
     yield ["stage", "level", "iteration", "evaluations", "value", "size", *columns, "seconds"]
     for step in result.trace:
-        known = dict(zip(tables[step.stage], step.params, strict=True))
+        names = tables[step.stage, step.level]
+        known = dict(zip(names, step.params, strict=True)) if names else {}
         counts = (step.stage, step.level, step.iteration, step.evaluations)
         params = (repr(float(known[name])) if name in known else "" for name in columns)
         measured = (repr(float(step.value)), repr(float(step.size)))
@@ -125,9 +131,11 @@ def to_json(record: Mapping[str, Any]) -> str:
     return re.sub(r"\[\n([^\[\]{}]+)\n *\]", lambda row: f"[{' '.join(row[1].split())}]", text)
 
 
-def parameter_names(result: Result, stage: int) -> tuple[str, ...]:
-    """What the parameters of a stage are called."""
-    return result.preset.stages[stage].transform.names(Frame.about_centre(result.fixed.grid))
+def parameter_names(result: Result, level: LevelReport) -> tuple[str, ...]:
+    """What the parameters of a level are called; none where they are more than `MOST_COLUMNS`."""
+    if len(level.params) > MOST_COLUMNS:
+        return ()
+    return result.preset.stages[level.stage].transform.names(level.frame)
 
 
 def named_factors(result: Result) -> dict[str, float]:
@@ -164,7 +172,7 @@ def _matrices(result: Result) -> dict[str, Any]:
 
 def _level(result: Result, index: int) -> dict[str, Any]:
     level = result.levels[index]
-    names = parameter_names(result, level.stage)
+    names = parameter_names(result, level)
     return {
         "stage": level.stage,
         "level": level.level,
@@ -176,7 +184,8 @@ def _level(result: Result, index: int) -> dict[str, Any]:
         "value": level.value,
         "stop": level.stop,
         "seconds": level.seconds,
-        "parameters": dict(zip(names, level.params, strict=True)),
+        "parameter_count": len(level.params),
+        "parameters": dict(zip(names, level.params, strict=True)) if names else {},
     }
 
 

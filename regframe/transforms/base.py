@@ -7,7 +7,7 @@ import numpy as np
 
 from regframe.component import Component
 from regframe.errors import GeometryError
-from regframe.geometry import AffineMap, Frame
+from regframe.geometry import AffineMap, Frame, Grid
 from regframe.types import Matrix, Params, Points
 
 DIFFERENCE_STEP = 1e-6
@@ -23,6 +23,15 @@ class Transform(Component):
     """
 
     dimensions: ClassVar[tuple[int, ...]] = (2, 3)
+    local: ClassVar[bool] = False
+    """Whether parameters are the motion of the points of a lattice, each one's components side by side.
+
+    A stage's scales and weights are then one number an axis.
+    """
+
+    refines: ClassVar[bool] = False
+    """Whether a level may `refine` its lattice."""
+
     closed: ClassVar[bool] = True
     """Whether the inverse of an affine member is a member; if not, a warp's inverse is plainly affine."""
 
@@ -76,6 +85,18 @@ class Transform(Component):
         A step of zeros brings parameters into the family's domain, where that has an end.
         """
         return params + step
+
+    def adapted(self, params: Params, frame: Frame, grid: Grid, refine: int | None) -> tuple[Params, Frame]:
+        """Hook: parameters and frame for a level whose samples lie on a grid; both as they are by default.
+
+        Parameters
+        ----------
+        grid : Grid
+            The level's, shrunk.
+        refine : int or None
+            What the level says of the transform's lattice.
+        """
+        return params, frame
 
     def pull(self, params: Params, points: Points, forces: Points, frame: Frame) -> Points:
         """Hook: forces on mapped points as forces on the points themselves, ``(d map / d point)^T force``.

@@ -1,5 +1,6 @@
 """Free-form deformation: y = x + sum of B-splines times coefficients."""
 
+from dataclasses import replace
 from typing import ClassVar, Literal, final
 
 import numpy as np
@@ -9,7 +10,7 @@ from regframe.geometry import AffineMap, Frame, Grid
 from regframe.kernels import lattice as kernels
 from regframe.kernels.jit import BLOCKS, share
 from regframe.transforms.base import Transform
-from regframe.transforms.lattice import lattice
+from regframe.transforms.lattice import lattice, refined, refit
 from regframe.types import Bins, Indices, Params, Points, Values
 
 
@@ -21,11 +22,14 @@ class BSpline(Transform):
     free-form deformations: application to breast MR images", IEEE Trans. Medical Imaging 18(8), 1999;
     `itk::BSplineTransform` on the domain of its `BSplineTransformInitializer`. Parameters are the
     coefficients of the motion along x on all control points, x fastest, then along y (, z). Points beyond
-    the image do not move. An affine start is taken over exactly within the image. ITK's refining of the
-    mesh from level to level is not offered.
+    the image do not move. An affine start is taken over exactly within the image. A level's `refine` lays
+    the lattice anew, as ITK does from level to level: over the pixels' centres, from the first point of
+    the level's grid on, so that the outermost pixels may not move; the new control points keep the motion
+    that was found at them.
     """
 
     closed: ClassVar[bool] = False
+    refines: ClassVar[bool] = True
 
     mesh: tuple[int, ...] = Field(
         (4,),
@@ -37,11 +41,11 @@ class BSpline(Transform):
 
     def identity(self, frame: Frame) -> Params:
         """No displacement."""
-        return np.zeros(frame.dim * lattice(frame.grid, self.mesh, self.order).size)
+        return np.zeros(frame.dim * self._control(frame).size)
 
     def names(self, frame: Frame) -> tuple[str, ...]:
         """The direction of motion and the control point, x first."""
-        shape = lattice(frame.grid, self.mesh, self.order).shape
+        shape = self._control(frame).shape
         points = [",".join(map(str, reversed(place))) for place in np.ndindex(shape)]
         return tuple(f"{axis}[{point}]" for axis in "xyz"[: frame.dim] for point in points)
 
@@ -65,7 +69,7 @@ class BSpline(Transform):
 
     def shift(self, params: Params, frame: Frame) -> Params:
         """Largest motion over the grid's points per unit of each parameter, (p,)."""
-        control = lattice(frame.grid, self.mesh, self.order)
+        control = self._control(frame)
         reach = np.ones(())
         for axis, length in enumerate(control.shape):
             along = np.zeros(length)
@@ -76,13 +80,27 @@ class BSpline(Transform):
 
     def from_affine(self, affine: AffineMap, frame: Frame) -> Params:
         """The affine map within the image: splines reproduce linear functions of their control points."""
-        control = lattice(frame.grid, self.mesh, self.order)
+        control = self._control(frame)
         points = control.points(control.all_indices())
         return np.asarray(affine(points) - points).T.ravel()
 
+    def adapted(self, params: Params, frame: Frame, grid: Grid, refine: int | None) -> tuple[Params, Frame]:
+        """Coefficients of the same motion on the lattice of a level that refines it."""
+        if refine is None:
+            return params, frame
+        old, new = self._control(frame), refined(frame.grid, grid, (self.mesh, self.order, refine))
+        if new == old:
+            return params, frame
+        places = old.indices(new.points(new.all_indices()))
+        moved = [refit(one, places, new.shape, self.order) for one in params.reshape(frame.dim, *old.shape)]
+        return np.concatenate(moved), replace(frame, lattice=new)
+
+    def _control(self, frame: Frame) -> Grid:
+        return frame.lattice or lattice(frame.grid, self.mesh, self.order)
+
     def _placed(self, points: Points, frame: Frame) -> tuple[Bins, Indices]:
         """The lattice's shape, (3,), and (n, 3) indices in it."""
-        control = lattice(frame.grid, self.mesh, self.order)
+        control = self._control(frame)
         indices = control.indices(points)
         if frame.dim == 2:
             indices = np.column_stack([np.zeros(len(indices)), indices])

@@ -15,8 +15,10 @@ from regframe.io.writing import is_there
 from regframe.transforms import json_files
 from regframe.transforms.affine import Affine
 from regframe.transforms.base import Transform
+from regframe.transforms.bspline import BSpline
+from regframe.transforms.displacement_field import DisplacementField
 from regframe.transforms.fields import displacement_field
-from regframe.transforms.itk import EITHER, KINDS, fixed_parameters
+from regframe.transforms.itk import BENDING, KINDS, made
 from regframe.transforms.rigid import Rigid
 from regframe.transforms.similarity import Similarity
 from regframe.transforms.translation import Translation
@@ -49,12 +51,16 @@ _MATRIX_AND_CENTRE = (
 """Classes of ITK that are read as affine maps."""
 
 
+_BENDING = ("BSplineTransform", "DisplacementFieldTransform")
+
+
 def write(warp: Warp | Chain, path: str | Path, *, force: bool = False) -> None:
     """Write a warp as an ITK transform file, which SimpleITK, ITK and Slicer read.
 
-    A family of `itk.KINDS` keeps its parameters and centre; any other affine one becomes an
-    `AffineTransform`, a chain a `CompositeTransform` in the same order. A map that ITK lacks, such as a
-    homography, becomes a `DisplacementFieldTransform` over the fixed image, exact to a hundredth of a pixel.
+    A family of `itk.KINDS` keeps its parameters and centre, a B-spline or a displacement field its lattice;
+    any other affine one becomes an `AffineTransform`, a chain a `CompositeTransform` in the same order. A
+    map that ITK lacks, such as a homography, becomes a `DisplacementFieldTransform` over the fixed image,
+    exact to a hundredth of a pixel. Large fields are smaller and quicker as ``.h5``.
 
     Parameters
     ----------
@@ -120,7 +126,7 @@ def read(path: str | Path, grid: Grid) -> Warp | Chain:
     ------
     GeometryError
         The file is missing or damaged, of other dimensions than the grid, or holds a transform that is
-        not affine.
+        neither affine nor a B-spline nor a displacement field.
     """
     place = Path(path)
     _check_file(place)
@@ -148,16 +154,15 @@ def _to_itk(warp: Warp | Chain) -> "sitk.Transform":
     dim, affine = warp.frame.dim, warp.as_affine()
     if (type(warp.transform), dim) not in KINDS and affine is not None:
         warp = Warp.of_affine(affine, warp.frame)
-    kind = KINDS[type(warp.transform), dim]
-    theirs: sitk.Transform = getattr(sitk, kind)(*((dim,) if kind in EITHER else ()))
-    theirs.SetFixedParameters(fixed_parameters(warp.transform, warp.frame))
+    theirs = made(warp.transform, warp.frame)
     theirs.SetParameters(warp.transform.advance(warp.params, np.zeros_like(warp.params), warp.frame).tolist())
     return theirs
 
 
 def exact(warp: Warp) -> bool:
     """Whether ITK has a transform of the same parameters, or an affine one for it; else it gets a field."""
-    return (type(warp.transform), warp.frame.dim) in KINDS or warp.as_affine() is not None
+    kind = type(warp.transform)
+    return kind in BENDING or (kind, warp.frame.dim) in KINDS or warp.as_affine() is not None
 
 
 def _field(warp: Warp | Chain) -> "sitk.Transform":
@@ -220,10 +225,12 @@ def _from_itk(theirs: "sitk.Transform", grid: Grid, path: str) -> Warp:
         return Warp(Translation(), np.zeros(grid.dim), Frame.about_centre(grid))
     if kind == "TranslationTransform":
         return Warp(Translation(), np.array(theirs.GetParameters()), Frame.about_centre(grid))
+    if kind in _BENDING:
+        return _bending(theirs, grid)
     if kind not in _OURS and kind not in _MATRIX_AND_CENTRE:
         message = (
-            f"{path}: {kind} is not affine, or unknown. Convert it to an affine one; known are "
-            f"{', '.join((*_OURS, *_MATRIX_AND_CENTRE))}."
+            f"{path}: {kind} is unknown. Convert it to one of "
+            f"{', '.join((*_OURS, *_MATRIX_AND_CENTRE, *_BENDING))}."
         )
         raise GeometryError(message)
     typed = theirs.Downcast()
@@ -233,6 +240,20 @@ def _from_itk(theirs: "sitk.Transform", grid: Grid, path: str) -> Warp:
     # The centre moves by the translation alone.
     translation = np.array(typed.TransformPoint(centre.tolist())) - centre
     return Warp(Affine(), np.concatenate([typed.GetMatrix(), translation]), Frame(grid, centre))
+
+
+def _bending(theirs: "sitk.Transform", grid: Grid) -> Warp:
+    """A B-spline or a displacement field on the lattice that the file tells."""
+    dim, told = theirs.GetDimension(), theirs.GetFixedParameters()
+    size, origin, spacing = (told[i * dim : (i + 1) * dim] for i in range(3))
+    rows = tuple(tuple(told[(3 + i) * dim : (4 + i) * dim]) for i in range(dim))
+    lattice = Grid(tuple(int(n) for n in reversed(size)), tuple(spacing), tuple(origin), rows)
+    family: Transform = DisplacementField()
+    if theirs.GetName() == "BSplineTransform":
+        order = theirs.Downcast().GetOrder()
+        mesh = tuple(int(n) - order for n in size)
+        family = BSpline(mesh=mesh[:1] if len(set(mesh)) == 1 else mesh, order=order)
+    return Warp(family, np.array(theirs.GetParameters()), Frame(grid, grid.centre, lattice=lattice))
 
 
 def _check_file(path: Path) -> None:

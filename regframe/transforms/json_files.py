@@ -26,12 +26,15 @@ def record(warp: Warp) -> dict[str, Any]:
     >>> warp_of(found, frame.grid).params
     array([0.5, 3. , 4. ])
     """
-    names = warp.transform.names(warp.frame)
+    numbers = list(map(float, warp.params))
     found: dict[str, Any] = {
         "type": TRANSFORMS.name_of(warp.transform),
         "options": warp.transform.model_dump(mode="json"),
         "centre": list(map(float, warp.frame.centre)),
-        "parameters": dict(zip(names, map(float, warp.params), strict=True)),
+        # A name for each of a field's many numbers would only hide them.
+        "parameters": numbers
+        if warp.transform.local
+        else dict(zip(warp.transform.names(warp.frame), numbers, strict=True)),
     }
     if warp.as_affine() is None:
         # Such parameters are measured in the sizes of the images, or belong to control points.
@@ -91,7 +94,12 @@ def warp_of(found: Mapping[str, Any], grid: Grid) -> Warp:
         lattice=grids.get("lattice"),
         moving=grids.get("moving"),
     )
-    params = np.array([found["parameters"][name] for name in family.names(frame)], np.float64)
+    told = found["parameters"]
+    numbers = told if family.local else [told[name] for name in family.names(frame)]
+    params = np.array(numbers, np.float64)
+    if params.shape != family.identity(frame).shape:
+        message = f"{len(params)} parameters for {family.identity(frame).size}"
+        raise ValueError(message)
     return Warp(family, params, frame)
 
 

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from regframe.engine.base import Result
 
 
+ENOUGH = 2  # levels
+
+
 def searches(preset: Preset) -> bool:
     """Whether a preset looks everywhere first, so that a second run is a second opinion."""
     return isinstance(preset.stages[0].start, Search)
@@ -31,7 +34,11 @@ def search(result: "Result") -> Warp | Chain | None:
 
 
 def turned(preset: Preset) -> Preset:
-    """The preset for exchanged images: each keeps its filters, and the bounds hold for the inverse map."""
+    """The preset for exchanged images: each keeps its filters, and the bounds hold for the inverse map.
+
+    Stages of three levels or more leave out the last one, which takes the most time and moves the answer by a
+    fraction of the pixels that a verdict is about.
+    """
     filters = Filters(fixed=preset.filters.moving, moving=preset.filters.fixed)
     stages = tuple(_turned(stage) for stage in preset.stages)
     return preset.model_copy(update={"filters": filters, "stages": stages})
@@ -39,6 +46,8 @@ def turned(preset: Preset) -> Preset:
 
 def _turned(stage: Stage) -> Stage:
     start = stage.start
+    if len(stage.levels) > ENOUGH:
+        stage = stage.model_copy(update={"levels": stage.levels[:-1]})
     if not isinstance(start, Search):
         return stage
     low, high = start.scale

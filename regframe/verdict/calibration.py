@@ -47,12 +47,12 @@ def features(evidence: Evidence) -> Values:
     found = [
         1.0,
         evidence.parts_near * parts / (parts + PRIOR),
-        _octaves(evidence.leftover_px, 0.5, 32.0),
-        _octaves(evidence.rival, 0.25, 4.0),
+        _octaves(evidence.leftover_px, 1.0, 16.0),
+        _octaves(evidence.rival, 0.4, 2.0),
         min(max(evidence.edge_fit, 0.0), 0.4),
     ]
     if evidence.round_trip_px is not None:
-        found.append(_octaves(evidence.round_trip_px, 0.25, 32.0))
+        found.append(_octaves(evidence.round_trip_px, 1.0, 16.0))
     return np.array(found)
 
 

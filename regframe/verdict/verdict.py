@@ -152,11 +152,9 @@ def _round_trip(found: Evidence) -> str:
 def _parts(found: Evidence) -> str:
     if not found.parts:
         return "No part of the image is covered by both images well enough to be looked at by itself."
-    share = f"{100 * found.parts_near:.0f} % of the edges in {found.parts} parts of the image"
-    return (
-        f"{share}, each fitted by itself, lie within {NEAR_PX:g} px of the map; "
-        f"typically {found.leftover_px:.1f} px off."
-    )
+    parts = f"Fitted one by one, {found.parts} parts of the image"
+    share = f"{100 * found.parts_near:.0f} % of their edges within {NEAR_PX:g} px of the map"
+    return f"{parts} have {share}, typically {found.leftover_px:.1f} px off."
 
 
 def _rival(found: Evidence) -> str:

@@ -42,7 +42,7 @@ def seconds(command: list[str], **environment: str) -> float:
 def ours(frames, out, *options: str) -> list[str]:
     return [
         *(sys.executable, "-m", "regframe", "register", *map(str, frames)),
-        *("--preset", "paper-similarity", "--out", str(out), "--force", "--quiet", *options),
+        *("--preset", "paper-similarity", "--out", str(out), "--force", "--quiet", "--no-verdict", *options),
     ]
 
 

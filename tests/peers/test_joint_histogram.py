@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from regframe.catalog import METRICS, TRANSFORMS
-from regframe.metrics.joint_histogram import bessel
+from regframe.kernels.discrete import bessel
 from regframe.transforms.warp import Warp
 from support import sitk as peer
 from support.objectives import objective

@@ -74,6 +74,7 @@ def _level(fixed, warp, level):
         "the limit of 5 iterations",
         0.25,
         params,
+        warp.frame,
     )
 
 

@@ -36,6 +36,13 @@ def test_turned_twice_is_the_preset():
     assert backward.turned(backward.turned(there)) == there
 
 
+def test_the_last_of_three_levels_is_left_out():
+    three, two = load("visual-thermal"), load("visual-thermal", {"stages.0.levels": [{"shrink": 2}, {}]})
+
+    assert backward.turned(three).stages[0].levels == three.stages[0].levels[:-1]
+    assert backward.turned(two).stages[0].levels == two.stages[0].levels
+
+
 def test_only_a_search_is_a_second_opinion():
     assert backward.searches(load("paper-similarity", SEARCH))
     assert not backward.searches(load("paper-similarity"))

@@ -122,7 +122,7 @@ def test_the_reasons_are_told_in_words():
     said = " ".join(reasons(RIGHT))
 
     assert "confirms the map: 0.3 px apart" in said
-    assert "95 % of the edges in 12 parts" in said
+    assert "12 parts of the image have 95 % of their edges within 5 px" in said
     assert "at most 40 % as well" in said
     assert "90 % of the smaller field of view" in said
 
