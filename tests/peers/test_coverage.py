@@ -44,6 +44,8 @@ OFFERED = {
     "scale": (["scale"], ["test_transforms.py::test_points_go_to_the_same_places"]),
     "affine": (["affine"], ["test_transforms.py::test_the_matrix_is_the_same"]),
     "B-spline maps": (["bspline"], ["test_transforms_curved.py::test_descent_over_two_levels"]),
+    "displacement field": (["displacement-field"], ["test_demons.py::test_value_and_pushes"]),
+    "refined meshes": (["bspline"], ["test_refined.py::test_both_engines_refine_alike"]),
     "composite": (
         ["moving_initial, chains"],
         [
