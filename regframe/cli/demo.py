@@ -5,6 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from regframe.cli import plugin_files
+from regframe.cli.plugin_files import Plugins
+
 if TYPE_CHECKING:
     from regframe.testing.phantoms import Phantom
 
@@ -20,7 +23,13 @@ Seed = Annotated[int, typer.Option(min=0, help="Another scene, seen by cameras m
 Force = Annotated[bool, typer.Option("--force", "-f", help="Replace an earlier result in the folder.")]
 
 
-def demo(out: Out = None, preset: PresetName = PRESET, seed: Seed = 1, force: Force = False) -> None:
+def demo(
+    out: Out = None,
+    preset: PresetName = PRESET,
+    seed: Seed = 1,
+    plugin: Plugins = None,
+    force: Force = False,
+) -> None:
     """Align a built-in visual and thermal frame, print the true error, write the pictures."""
     from regframe.cli.display import Display, manner
     from regframe.engine.run import register
@@ -29,6 +38,7 @@ def demo(out: Out = None, preset: PresetName = PRESET, seed: Seed = 1, force: Fo
     from regframe.report.starts import first_warp
     from regframe.testing.phantoms import corner_error, visual_thermal
 
+    plugin_files.use(plugin)
     folder = out or _free()
     files.check(folder, force=force)
     _check_pair(folder, force)

@@ -114,7 +114,7 @@ class Result:
     candidates : tuple of Candidate
         What a search found, the one that went on first; then those that came furthest, the best first.
     choices : tuple of Choice
-        Of each stage that needed evidence, whether its map was kept and why.
+        Of each stage that needed proof, whether its map was kept and why.
     """
 
     warp: Warp | Chain

@@ -1,4 +1,4 @@
-"""Whether a richer map was kept, and the evidence."""
+"""Whether a richer map was kept, and why."""
 
 from dataclasses import dataclass
 
@@ -33,7 +33,7 @@ class Choice:
 
     @property
     def reason(self) -> str:
-        """The evidence in a line."""
+        """Why, in a line."""
         if self.tiles < FEWEST:
             return f"only {self.tiles} tiles of the image can be judged, fewer than {FEWEST}"
         seen = f"better in {self.better} of {self.tiles} tiles"

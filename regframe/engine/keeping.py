@@ -28,7 +28,8 @@ def chosen(stage: int, gains: Values, least: float) -> Choice:
     """Judge the gains of held-out tiles.
 
     The mean gain must be beyond `least` of its standard errors, and more than half of the tiles better:
-    neither a slight gain that may be chance, nor a large one in a few tiles, is enough.
+    neither a slight gain that may be chance, nor a large one in a few tiles, is enough. With `least` below 0
+    the richer map stays unless it is worse by more than so many.
 
     Parameters
     ----------
@@ -49,7 +50,8 @@ def chosen(stage: int, gains: Values, least: float) -> Choice:
         return Choice(stage, False, float("nan"), float("nan"), int((gains > 0).sum()), count)
     gain, error = float(gains.mean()), float(gains.std(ddof=1) / np.sqrt(count))
     better = int((gains > 0).sum())
-    return Choice(stage, gain > least * error and 2 * better > count, gain, error, better, count)
+    kept = gain > least * error and (least < 0 or 2 * better > count)
+    return Choice(stage, kept, gain, error, better, count)
 
 
 def held_out_gains(fit: Fit, fixed: Image, objective: Objective, simpler: Params) -> Values:

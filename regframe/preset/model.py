@@ -191,12 +191,13 @@ class Stage(Record):
             "(its default), or ITK's central differences."
         ),
     )
-    evidence: float | None = Field(
+    proof: float | None = Field(
         None,
         strict=True,
         description=(
-            "How much proof the stage's map needs to replace the map of the stage before: standard errors by "
-            "which it must be better in tiles of the image that its fit did not see. Without, it stays."
+            "Standard errors by which the stage's map must be better than the map of the stage before, in "
+            "tiles of the image that its fit did not see, to replace it; below 0 it stays unless it is so "
+            "much worse. Not asked for unless given."
         ),
     )
     levels: tuple[Level, ...] = Field((Level(),), min_length=1, description="Run in the order listed.")
@@ -285,7 +286,7 @@ class Preset(Record):
         if faults:
             raise raised(faults)
         stages = (stages[0], *(_continued(stage) for stage in stages[1:]))
-        faults = list(_evidence_faults(stages))
+        faults = list(_proof_faults(stages))
         if faults:
             raise raised(faults)
         return stages
@@ -298,14 +299,14 @@ def _start_faults(stages: tuple[Stage, ...]) -> Iterator[InitErrorDetails]:
         yield fault((0, "start"), text, first)
 
 
-def _evidence_faults(stages: tuple[Stage, ...]) -> Iterator[InitErrorDetails]:
+def _proof_faults(stages: tuple[Stage, ...]) -> Iterator[InitErrorDetails]:
     for i, stage in enumerate(stages):
-        if stage.evidence is not None and stage.start != "previous":
+        if stage.proof is not None and stage.start != "previous":
             text = (
-                f"compares with the stage before, from which this one does not begin. Got {stage.evidence!r} "
-                f'with start {shown(stage.start)}. Write start = "previous", or leave `evidence` out.'
+                f"compares with the stage before, from which this one does not begin. Got {stage.proof!r} "
+                f'with start {shown(stage.start)}. Write start = "previous", or leave `proof` out.'
             )
-            yield fault((i, "evidence"), text, stage.evidence)
+            yield fault((i, "proof"), text, stage.proof)
 
 
 def _continued(stage: Stage) -> Stage:

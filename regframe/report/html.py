@@ -66,7 +66,7 @@ def facts(result: Result) -> list[tuple[str, str]]:
 
 
 def _choices(result: Result) -> list[tuple[str, str]]:
-    """What became of each stage that needed evidence."""
+    """What became of each stage that needed proof."""
     return [
         (
             f"stage {choice.stage + 1}",

@@ -1,7 +1,9 @@
 """Homographies and lenses on genuine unaligned pairs, beside the similarity that they began from.
 
 ``pytest -m slow tests/benchmarks/test_lenses.py -s`` prints the table. Errors are mean distances from the
-ground truth in thermal pixels. The floor is the least that any similarity leaves.
+ground truth in thermal pixels. The floor is the least that any similarity leaves. A pair whose similarity is
+more than max(5, floor + 3) pixels off was lost by the search: it stands in the table and in the medians, but
+a homography or a lens is not blamed for it.
 """
 
 import statistics
@@ -15,8 +17,10 @@ from support.raw_pairs import raw_pairs
 pytestmark = pytest.mark.slow
 
 SOURCES = ("roadscene_raw", "metu_vistir_raw")
-PRESETS = {"similarity": "visual-thermal", "projective": "visual-thermal-projective"} | {
-    "radial": "visual-thermal-radial"
+PRESETS = {
+    "similarity": "visual-thermal",
+    "projective": "visual-thermal-projective",
+    "radial": "visual-thermal-radial",
 }
 GAIN = 0.25  # share of the median floor that the median error must lie below it
 HARM = 0.3  # thermal pixels by which no pair may be worse than its similarity
@@ -56,7 +60,8 @@ def test_prints_the_table(table, capsys):
 
 @pytest.mark.parametrize("name", ["projective", "radial"])
 def test_no_pair_is_harmed(name, table):
-    harm = {row[0]: row[3][name] - row[3]["similarity"] for row in table}
+    found = [row for row in table if row[3]["similarity"] < max(5.0, row[2] + 3.0)]
+    harm = {row[0]: row[3][name] - row[3]["similarity"] for row in found}
 
     assert max(harm.values()) <= HARM, harm
 

@@ -7,7 +7,7 @@ import tomllib
 
 import pytest
 
-from regframe.catalog import KINDS, METRICS
+from regframe.catalog import KINDS
 from regframe.preset import load
 from regframe.testing import verify
 
@@ -183,21 +183,23 @@ def test_a_file_is_never_replaced_by_a_folder(place, regframe):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", SINGULAR)
-def test_a_new_plugin_installs_and_passes_its_own_tests(kind, place, regframe):
-    regframe("new", kind, "my-own")
-    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", "site", "./my-own"]
-    subprocess.run(pip, check=True)
+def test_new_plugins_install_and_pass_their_own_tests(place, regframe):
+    folders = [f"my-own-{kind}" for kind in SINGULAR]
+    for kind, folder in zip(SINGULAR, folders, strict=True):
+        regframe("new", kind, folder)
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--target", "site"]
+    subprocess.run([*pip, *(f"./{folder}" for folder in folders)], check=True)
 
     def said(*words):
-        run = [sys.executable, *words]
+        run = [sys.executable, "-m", *words]
         environment = {**os.environ, "PYTHONPATH": str(place / "site")}
-        return subprocess.run(run, env=environment, capture_output=True, text=True, check=False, cwd="my-own")
+        return subprocess.run(run, env=environment, capture_output=True, text=True, check=False)
 
-    listed = said("-m", "regframe", "list", f"{kind}s")
-    tested = said("-m", "pytest", "-q", "-p", "no:cacheprovider")
-    checked = said("-m", "regframe", "check", kind, "my-own")
-    assert "regframe-my-own" in listed.stdout
+    listed = said("regframe", "list")
+    shown = said("regframe", "preset", "show", "my-own-metric-example")
+    tested = said("pytest", "-q", "-p", "no:cacheprovider", *(f"{folder}/tests" for folder in folders))
+    checked = said("regframe", "check", "metric", "my-own-metric")
+    assert [folder for folder in folders if f"regframe-{folder}" not in listed.stdout] == []
+    assert 'type = "my-own-metric"' in shown.stdout
     assert tested.returncode == 0, tested.stdout
     assert checked.returncode == 0, checked.stdout
-    assert METRICS.faults() == {}

@@ -29,7 +29,7 @@ PRESET = {
         for family in ("similarity", "projective")
     ],
 }
-PRESET["stages"][1] |= {"start": "previous", "evidence": 2.0}
+PRESET["stages"][1] |= {"start": "previous", "proof": 2.0}
 
 
 def pair(truth, noise):
@@ -99,9 +99,16 @@ def test_a_gain_in_few_tiles_is_not_enough():
     assert not chosen(1, gains, 2.0).kept
 
 
-def test_evidence_needs_a_stage_before():
-    with pytest.raises(PresetError, match=r"stages\.0\.evidence: compares with the stage before"):
-        load_preset("paper-similarity", {"stages.0.evidence": 2.0})
+def test_below_0_a_map_stays_unless_it_is_clearly_worse():
+    worse = np.array([-0.01] * 20 + [0.02] * 5)
+
+    assert chosen(1, worse, -5.0).kept
+    assert not chosen(1, worse - 0.05, -5.0).kept
+
+
+def test_proof_needs_a_stage_before():
+    with pytest.raises(PresetError, match=r"stages\.0\.proof: compares with the stage before"):
+        load_preset("paper-similarity", {"stages.0.proof": 2.0})
 
 
 def test_same_choice_at_any_number_of_threads(monkeypatch, bent):
