@@ -101,7 +101,7 @@ def sections() -> dict[str, list[Row]]:
             every = VARIANTS.get(f"{kind}/{name}", (OPTIONS.get(name, {}),))
             made = [registry.build({"type": name, **options}) for options in every]
             found.setdefault(kind, []).append(_worst([_row(name, ours, measure, theirs) for ours in made]))
-    found["settings"] = [Row(*case) for case in agreement_settings.measured((_dim2(), _dim3()))]
+    found["stages and starts"] = [Row(*case) for case in agreement_settings.measured((_dim2(), _dim3()))]
     return found
 
 
