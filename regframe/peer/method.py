@@ -87,7 +87,8 @@ def _of_points(terms: Terms, dim: int) -> Terms:
             "or use the native engine."
         )
         raise NoTwin(message)
-    if twins.summed(stage.metric) and not _sizeless(optimizer):
+    smooths = twins.adding(stage.transform) != stage.transform
+    if twins.summed(stage.metric) and (smooths or not _sizeless(optimizer)):
         notes = (*notes, "SimpleITK's slopes of this metric by a field are not divided by the samples")
         alike = False
     if numbers:

@@ -26,6 +26,8 @@ EVOLUTION = 60
 """Iterations a level of searches without slopes: they walk bit for bit, so that more show nothing more."""
 VOLUMES = 12
 """Iterations a level of descents over many points of a volume, which take SimpleITK half a second each."""
+BENT = 2
+"""The same with splines of thousands of parameters, on coarser volumes."""
 EXACT, CLOSE = 1e-6, 1e-4
 """Pixels (or mm) between the corners, of searches by values and of descents."""
 
@@ -33,7 +35,7 @@ CHAOTIC = {
     ("ants-affine", 2): 10,
     ("ants-rigid-affine", 2): 10,
     ("ants-similarity", 2): 10,
-    ("brain-ct-mr", 3): 10,
+    ("brain-ct-mr", 3): 6,
     ("elastix-affine", 2): 30,
 }
 """Descents that cannot agree to their ends, and the iterations a level over which they do.
@@ -73,11 +75,11 @@ def slices(data, below):
 
 
 @cache
-def heads(data, kind):
-    """A head's T1 in voxels of 3 mm and a turned copy of it, or CT and T1."""
+def heads(data, kind, size=3):
+    """A head's T1 in voxels of some mm and a turned copy of it, or CT and T1."""
     folder = data / "multimodal_3d"
     first = sitk.ReadImage(str(folder / "mni_icbm152_t1_tal_nlin_sym_09a_converted.nii.gz"), sitk.sitkFloat32)
-    still = sitk.BinShrink(first, [3, 3, 3])
+    still = sitk.BinShrink(first, [size] * 3)
     if kind == "ct":
         scan = sitk.ReadImage(str(folder / "ct_template_2mm.nii"), sitk.sitkFloat32)
         return coerce(scan, "ct"), coerce(still, "t1")
@@ -90,7 +92,7 @@ def heads(data, kind):
 def images(data, name, dim):
     """A pair that suits a preset."""
     if dim == 3:
-        return heads(data, "ct" if "ct" in name else "t1")
+        return heads(data, "ct" if "ct" in name else "t1", 6 if "bspline" in name else 3)
     if name.startswith("brain-slices"):
         return slices(data, "T1")
     if name.startswith(("paper", "matlab-multimodal", "elastix")):
@@ -104,7 +106,8 @@ def cut(name, dim):
     if without_slopes(whole):
         return shortened(name, EVOLUTION)
     many = any(level.fraction > 0.1 for stage in whole.stages for level in stage.levels)
-    most = VOLUMES if dim == 3 and many else np.inf
+    bent = any(not stage.transform.closed for stage in whole.stages)
+    most = (BENT if bent else VOLUMES) if dim == 3 and many else np.inf
     return shortened(name, min(most, CHAOTIC.get((name, dim), np.inf)))
 
 

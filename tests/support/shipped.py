@@ -42,7 +42,7 @@ def _fits(stage: Stage, dim: int) -> bool:
         return False
     count = len(stage.transform.identity(Frame.about_centre(Grid.of_shape((16,) * dim))))
     steps = stage.optimizer.number_of_steps if isinstance(stage.optimizer, Exhaustive) else (1,)
-    lists = [stage.scales] if isinstance(stage.scales, tuple) else []
+    lists = [numbers for numbers in (stage.scales, stage.weights) if isinstance(numbers, tuple)]
     lists += [steps] if len(steps) > 1 else []
     return all(len(numbers) == count for numbers in lists)
 
