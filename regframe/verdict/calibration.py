@@ -24,8 +24,11 @@ GOOD, FAILED = 0.9, 0.2
 """A map is good from this probability on, and failed below that one; between them it is doubtful."""
 
 COVERED = ("mattes", "oriented-gradients")
-"""Metrics of the last stage that are judged. The table's runs used the second; the evidence looks at a map and
-not at how it was found, so it is taken to hold for maps of the first, which a test tries on a street."""
+"""Metrics of the last stage that are judged.
+
+The table's runs used the second. The evidence looks at a map and not at how it was found, so it is taken to hold
+for maps of the first too, which a test tries on a street.
+"""
 
 SMALLEST = 96
 """Pixels along the shorter side of a frame, from which on frames are in the table."""
