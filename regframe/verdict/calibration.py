@@ -26,8 +26,8 @@ GOOD, FAILED = 0.9, 0.2
 COVERED = ("mattes", "oriented-gradients")
 """Metrics of the last stage that are judged.
 
-The table's runs used the second. The evidence looks at a map and not at how it was found, so it is taken to hold
-for maps of the first too, which a test tries on a street.
+The table's runs used the second. The evidence looks at a map and not at how it was found, so it is taken
+to hold for maps of the first too, which a test tries on a street.
 """
 
 SMALLEST = 96
