@@ -55,7 +55,7 @@ def test_frames_of_unequal_size(data, tmp_path, preset):
     folder = data / "visual_thermal" / "roadscene_raw"
     pair = [str(folder / "visual" / "FLIR_07209.jpg"), str(folder / "thermal" / "FLIR_07209.png")]
 
-    # Mutual information alone loses some of these pairs, and the verdict says so; the files are wanted anyway.
+    # Mutual information alone loses this pair, as the verdict says; the files are wanted anyway.
     options = ["--preset", preset, "--out", str(tmp_path / "out"), "--quiet", "--keep-failed"]
     code = run(["register", *pair, *options])
 

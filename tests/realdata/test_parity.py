@@ -26,7 +26,7 @@ EVOLUTION = 60
 """Iterations a level of searches without slopes: they walk bit for bit, so that more show nothing more."""
 VOLUMES = 12
 """Iterations a level of descents over many points of a volume, which take SimpleITK half a second each."""
-BENT = 2
+BENT = 1
 """The same with splines of thousands of parameters, on coarser volumes."""
 EXACT, CLOSE = 1e-6, 1e-4
 """Pixels (or mm) between the corners, of searches by values and of descents."""
@@ -34,9 +34,10 @@ EXACT, CLOSE = 1e-6, 1e-4
 CHAOTIC = {
     ("ants-affine", 2): 10,
     ("ants-rigid-affine", 2): 10,
-    ("ants-similarity", 2): 10,
-    ("brain-ct-mr", 3): 6,
+    ("ants-similarity", 2): 4,
+    ("brain-ct-mr", 3): 3,
     ("elastix-affine", 2): 30,
+    ("elastix-rigid", 3): 20,
 }
 """Descents that cannot agree to their ends, and the iterations a level over which they do.
 

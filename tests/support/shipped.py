@@ -13,7 +13,17 @@ from regframe.preset import Preset, Stage
 
 NAMES = sorted(path.stem for path in (REPOSITORY / "presets").glob("*.toml"))
 
-NATIVE_ONLY = {"visual-thermal": "SimpleITK has no metric of oriented gradients, and no search"}
+NATIVE_ONLY = dict.fromkeys(
+    (
+        "multimodal-brain-2d",
+        "visual-thermal",
+        "visual-thermal-affine",
+        "visual-thermal-fast",
+        "visual-thermal-projective",
+        "visual-thermal-radial",
+    ),
+    "SimpleITK has no search, no BFGS and no metric of oriented gradients",
+)
 """Presets that SimpleITK cannot run, and why: it must refuse exactly these."""
 
 OWN_WAYS = {
