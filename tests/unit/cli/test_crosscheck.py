@@ -65,7 +65,8 @@ def test_a_misspelt_preset_is_refused(pair, regframe):
 
 
 def test_registers_with_the_second_engine(pair, regframe):
-    found = regframe("register", *pair, *QUICK, "--engine", "simpleitk", "--json")
+    options = ("--preset", "paper-similarity", "--engine", "simpleitk", "--json")
+    found = regframe("register", *pair, *QUICK, *options)
 
     assert json.loads(found.out)["provenance"]["engine"] == "simpleitk"
 
