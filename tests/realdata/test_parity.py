@@ -159,8 +159,10 @@ OTHERS = {
     "powell": ({"type": "powell", "keep": "last"}, 1, 1e-3),
     "amoeba": ({"type": "amoeba", "parameters_tolerance": 0.05, "value_tolerance": 0.01}, 300, EXACT),
 }
-"""Options, iterations, and the bound. Powell's line searches fit parabolas to values, which divides differences
-of last bits by each other: 3e-4 px after one iteration on the frames, 2e-11 on the heads, tenfold an iteration.
+"""Options, iterations, and the bound.
+
+Powell's line searches fit parabolas to values, which divides differences of last bits by each other: 3e-4 px
+after one iteration on the frames, 2e-11 on the heads, and a hundred times as much after the next.
 """
 
 
