@@ -23,7 +23,7 @@ STAGE = {
     "interpolator": "linear",
     "metric": {"type": "oriented-gradients", "inner": 0.7, "outer": 1.0},
     "optimizer": "bfgs",
-    "levels": [{"fit": 80, "iterations": 8}, {"fit": 160, "iterations": 20}],
+    "levels": [{"fit": 80, "iterations": 8}, {"fit": 160, "iterations": 12}, {"fit": 320, "iterations": 12}],
 }
 
 
@@ -31,14 +31,14 @@ def preset(**changes):
     return parse({"name": "search", "stages": [STAGE | changes]})
 
 
-def moved(image, matrix, shift, shape):
+def moved(image, matrix, shift, shape, mode="nearest"):
     """The image seen through a map from new pixels to its own, and the way back as a warp."""
     from scipy import ndimage
 
     middle, centre = (np.array(image.shape) - 1) / 2, (np.array(shape) - 1) / 2
     swapped = matrix[::-1, ::-1]
     offset = middle + np.array(shift)[::-1] - swapped @ centre
-    return ndimage.affine_transform(image, swapped, offset, shape, order=1, mode="nearest")
+    return ndimage.affine_transform(image, swapped, offset, shape, order=1, mode=mode)
 
 
 @pytest.fixture(scope="module")
@@ -51,12 +51,13 @@ def far_pair(street, angle_deg, scale, shift):
     aligned = regframe.align(street.moving, street.fixed.grid, street.truth)
     matrix = scale * turn(np.deg2rad(angle_deg))
     moving = moved(aligned.astype(float), matrix, shift, aligned.shape)
+    seen = moved(np.ones(aligned.shape), matrix, shift, aligned.shape, mode="constant")
     fixed, grid = street.fixed, street.fixed.grid
     to_aligned = about(matrix, np.array(shift, float), grid.centre)
     frame = Frame.about_centre(grid)
     return (
         fixed,
-        Image.of_array(moving),
+        Image.of_array(moving).with_mask(seen > 0.99),
         Warp(Similarity(), Similarity().from_affine(to_aligned.inverse(), frame), frame),
     )
 
@@ -75,8 +76,7 @@ def test_finds_far_motions(street, angle_deg, scale, shift):
 
     result = regframe.register(preset(), fixed, moving)
 
-    # On 160 points each is two pixels. The frame seen from afar ends in a repeated border, which pulls too.
-    assert corner_error(result.warp, truth, fixed.grid) < 4.0
+    assert corner_error(result.warp, truth, fixed.grid) < 1.0
 
 
 def test_finds_the_same_from_the_other_side(street):
