@@ -91,7 +91,7 @@ def test_tells_what_it_tried(street):
     result = regframe.register(preset(), street.fixed, street.moving)
 
     assert len(result.candidates) == FAST["keep"][0]
-    assert [len(one.values) for one in result.candidates] == [2, 2, 1, 1, 1, 1]
+    assert [len(one.values) for one in result.candidates] == [3, 2, 1, 1, 1, 1]
     best = result.candidates[0]
     assert best.values[-1] == result.value
     assert corner_error(best.found, result.warp, street.fixed.grid) == 0.0
