@@ -90,7 +90,8 @@ def back(forces: Volume, made: Features, weight: Volume, settings: Settings) -> 
     _by_rows(_raw_forces, forces, made.units, made.length, made.trust, made.spread, made.floor, by_mean)
     by_raw = blur(forces, gaussian_taps(settings.outer), axes, scratch("by_raw", forces.shape))
     slopes = scratch("slopes", (axes, *shape))
-    _by_rows(_gradient_forces, by_raw, made.smooth[1], made.trust, slopes, settings.magnitude, settings.flat)
+    pull = _forces_in_plane if axes == 2 else _forces_in_space
+    _by_rows(pull, by_raw, made.smooth[1], made.trust, slopes, settings.magnitude, settings.flat)
     by_smooth = scratch("by_smooth", (1, *shape))
     _by_rows(_undo_differences, slopes, made.smooth[0], by_smooth[0])
     out = blur(by_smooth, gaussian_taps(settings.inner), axes)[0]
@@ -286,7 +287,37 @@ def _raw_forces(
 
 
 @kernel
-def _gradient_forces(
+def _forces_in_plane(
+    first: int,
+    last: int,
+    forces: Volume,
+    smooth: Volume,
+    trust: Volume,
+    out: Volume,
+    magnitude: float,
+    flat: float,
+) -> None:
+    """Slopes by the gradient's components, x and y."""
+    _, ny, nx = smooth.shape
+    small, padded = flat * flat, np.empty(nx + 2)
+    for row in range(first, last):
+        z, y = row // ny, row % ny
+        _pad(smooth[z, y], padded)
+        up, down = smooth[z, max(y - 1, 0)], smooth[z, min(y + 1, ny - 1)]
+        t, f0, f1, f2 = trust[z, y], forces[0, z, y], forces[1, z, y], forces[2, z, y]
+        out_x, out_y = out[0, z, y], out[1, z, y]
+        for x in range(U(nx)):
+            gx, gy = 0.5 * (padded[x + U(2)] - padded[x]), 0.5 * (down[x] - up[x])
+            inverse = 1.0 / (gx * gx + gy * gy + small)
+            per = t[x] * math.sqrt(inverse)
+            total = f1[x] * (gx * gx - gy * gy) + f2[x] * 2.0 * gx * gy
+            along = magnitude * f0[x] - total * inverse
+            out_x[x] = per * (2.0 * (f1[x] * gx + f2[x] * gy) + along * gx)
+            out_y[x] = per * (2.0 * (f2[x] * gx - f1[x] * gy) + along * gy)
+
+
+@kernel
+def _forces_in_space(
     first: int,
     last: int,
     forces: Volume,
@@ -298,48 +329,27 @@ def _gradient_forces(
 ) -> None:
     """Slopes by the gradient's components, x, y and z."""
     nz, ny, nx = smooth.shape
-    third, small, padded = math.sqrt(3.0), flat * flat, np.empty(nx + 2)
-    planar = len(forces) == 3
+    third, small, padded = 1.0 / math.sqrt(3.0), flat * flat, np.empty(nx + 2)
     for row in range(first, last):
         z, y = row // ny, row % ny
         _pad(smooth[z, y], padded)
         up, down = smooth[z, max(y - 1, 0)], smooth[z, min(y + 1, ny - 1)]
         front, behind = smooth[max(z - 1, 0), y], smooth[min(z + 1, nz - 1), y]
-        t, f0, f1, f2, out_x, out_y = (
-            trust[z, y],
-            forces[0, z, y],
-            forces[1, z, y],
-            forces[2, z, y],
-            out[0, z, y],
-            out[1, z, y],
-        )
-        if planar:
-            for x in range(U(nx)):
-                gx, gy = 0.5 * (padded[x + U(2)] - padded[x]), 0.5 * (down[x] - up[x])
-                square = gx * gx + gy * gy + small
-                inverse = 1.0 / square
-                per = t[x] * math.sqrt(inverse)
-                total = f1[x] * (gx * gx - gy * gy) + f2[x] * 2.0 * gx * gy
-                along = magnitude * f0[x] - total * inverse
-                out_x[x] = per * (2.0 * (f1[x] * gx + f2[x] * gy) + along * gx)
-                out_y[x] = per * (2.0 * (f2[x] * gx - f1[x] * gy) + along * gy)
-            continue
-        f3, f4, f5, out_z = forces[3, z, y], forces[4, z, y], forces[5, z, y], out[2, z, y]
+        t, out_x, out_y, out_z = trust[z, y], out[0, z, y], out[1, z, y], out[2, z, y]
+        f0, f1, f2 = forces[0, z, y], forces[1, z, y], forces[2, z, y]
+        f3, f4, f5 = forces[3, z, y], forces[4, z, y], forces[5, z, y]
         for x in range(U(nx)):
             gx, gy = 0.5 * (padded[x + U(2)] - padded[x]), 0.5 * (down[x] - up[x])
-            gz = 0.5 * (behind[x] - front[x])
+            gz, f = 0.5 * (behind[x] - front[x]), third * f5[x]
             square = gx * gx + gy * gy + gz * gz
             inverse = 1.0 / (square + small)
             per = t[x] * math.sqrt(inverse)
-            dx = 2.0 * (f1[x] * gx + f2[x] * gy + f3[x] * gz - f5[x] * gx / third)
-            dy = 2.0 * (f2[x] * gx - f1[x] * gy + f4[x] * gz - f5[x] * gy / third)
-            dz = 2.0 * (f3[x] * gx + f4[x] * gy + 2.0 * f5[x] * gz / third)
             total = f1[x] * (gx * gx - gy * gy) + f2[x] * 2.0 * gx * gy
-            total += 2.0 * gz * (f3[x] * gx + f4[x] * gy) + f5[x] * (3.0 * gz * gz - square) / third
+            total += 2.0 * gz * (f3[x] * gx + f4[x] * gy) + f * (3.0 * gz * gz - square)
             along = magnitude * f0[x] - total * inverse
-            out_x[x] = per * (dx + along * gx)
-            out_y[x] = per * (dy + along * gy)
-            out_z[x] = per * (dz + along * gz)
+            out_x[x] = per * (2.0 * (f1[x] * gx + f2[x] * gy + f3[x] * gz - f * gx) + along * gx)
+            out_y[x] = per * (2.0 * (f2[x] * gx - f1[x] * gy + f4[x] * gz - f * gy) + along * gy)
+            out_z[x] = per * (2.0 * (f3[x] * gx + f4[x] * gy + 2.0 * f * gz) + along * gz)
 
 
 @kernel
