@@ -8,7 +8,7 @@ from pydantic.fields import FieldInfo
 
 from regframe.catalog import KINDS
 from regframe.component import Component
-from regframe.peer import agreement
+from regframe.peer import agreement, settings
 
 PAGE = Path(__file__).parent / "reference" / "components.md"
 AGREEMENT = Path(__file__).parent / "explanation" / "agreement.md"
@@ -65,7 +65,7 @@ def plain(value: object) -> str:
 def agreement_page() -> str:
     """The page on agreement with SimpleITK: its text as it stands, its tables measured now."""
     text, _, _ = AGREEMENT.read_text(encoding="utf-8").partition(MADE)
-    return f"{text}{MADE}\n{agreement.table()}"
+    return f"{text}{MADE}\n{agreement.table({'settings': settings.rows()})}"
 
 
 def guide(path: Path) -> str:

@@ -74,13 +74,14 @@ def measure(record: dict, case: Case) -> Iterator[Row]:
     """The evidence on the map of a record, and on the same map pushed aside where it was right."""
     fixed, moving, error = case.load()
     there, back = (_warp(record[name], image) for name, image in (("map", fixed), ("back", moving)))
-    images = filtered(as_preset(record["preset"]), fixed, moving)
+    preset = as_preset(record["preset"])
+    images = filtered(preset, fixed, moving)
 
     def row(kind: str, warp: Warp | Chain) -> Row:
         apart = round_trip(warp, back, fixed.grid, moving.grid) if record["searched_back"] else None
         far = None if error is None else error(warp)
         evidence = gather(*images, warp, round_trip_px=apart)
-        return Row(record["preset"], kind, case.name, case.scenes, far, evidence)
+        return Row(preset.name, kind, case.name, case.scenes, far, evidence)
 
     yield row(case.kind, there)
     if error is not None and error(there) <= RIGHT_PX:

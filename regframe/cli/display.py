@@ -44,6 +44,7 @@ class Display:
         self._preset = preset
         self._manner = manner
         self._last: Progress | None = None
+        self._ends: dict[int, float] = {}
         self._level_began = 0.0
         self._due = 0.0
         self._live: Live | None = None
@@ -73,6 +74,7 @@ class Display:
         if last is not None and (last.stage, last.level) != (progress.stage, progress.level):
             self._finish_level()
         self._last = progress
+        self._ends[progress.candidate] = progress.value
         now = perf_counter()
         if self._live is not None and now >= self._due:
             self._due = now + 1 / REFRESHES_A_SECOND
@@ -89,20 +91,27 @@ class Display:
             return
         seconds = last.seconds - self._level_began
         self._level_began = last.seconds
-        count = last.iteration + 1
-        line = (
-            f"{self._place(last)}: {count} iteration{'' if count == 1 else 's'}, value {last.value:.6g}, "
-            f"step {last.size:.3g}, {seconds:.2f} s"
-        )
+        line = f"{self._place(last)}: {self._outcome(last)}, {seconds:.2f} s"
+        self._ends = {}
         if self._live is not None:
             self._live.console.print(line, highlight=False, soft_wrap=True)
         else:
             typer.echo(line, err=True)
 
+    def _outcome(self, last: "Progress") -> str:
+        """What the level's iterations came to; of a search's places, the values they reached."""
+        if len(self._ends) > 1:
+            best, worst = min(self._ends.values()), max(self._ends.values())
+            return f"{len(self._ends)} places of the search, values {best:.4g} to {worst:.4g}"
+        count = last.iteration + 1
+        return f"{count} iteration{'' if count == 1 else 's'}, value {last.value:.6g}, step {last.size:.3g}"
+
     def _place(self, at: "Progress") -> str:
         stages = self._preset.stages
         levels = stages[at.stage].levels
-        words = f"level {at.level + 1}/{len(levels)} (shrink {levels[at.level].shrink})"
+        level = levels[at.level]
+        size = f"shrink {level.shrink}" if level.fit is None else f"fit {level.fit}"
+        words = f"level {at.level + 1}/{len(levels)} ({size})"
         return words if len(stages) == 1 else f"stage {at.stage + 1}/{len(stages)}, {words}"
 
     def _picture(self, at: "Progress") -> "Group":

@@ -57,7 +57,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print the outcome as JSON,
 def register(
     fixed: Fixed,
     moving: Moving,
-    preset: PresetName = "paper-similarity",
+    preset: PresetName = "visual-thermal",
     out: Out = None,
     settings: Settings = None,
     seed: Seed = None,

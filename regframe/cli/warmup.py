@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import typer
 
 if TYPE_CHECKING:
+    from regframe.geometry import Grid
     from regframe.preset import Preset, Stage
 
 FLAT, DEEP = (64, 80), (16, 32, 40)
@@ -23,10 +24,9 @@ def warmup() -> None:
     flat, deep = smooth_pair("multimodal", FLAT), smooth_pair("multimodal", DEEP)
     for name in shipped():
         preset = load(name)
-        jobs = [("2-D", flat)]
-        if all(_takes_volumes(stage) for stage in preset.stages):
-            jobs.append(("3-D", deep))
-        for axes, pair in jobs:
+        for axes, pair in (("2-D", flat), ("3-D", deep)):
+            if not all(_takes(stage, pair.fixed.grid) for stage in preset.stages):
+                continue
             start = perf_counter()
             try:
                 register(_short(preset), pair.fixed, pair.moving)
@@ -52,8 +52,15 @@ def _short(preset: "Preset") -> "Preset":
     )
 
 
-def _takes_volumes(stage: "Stage") -> bool:
+def _takes(stage: "Stage", grid: "Grid") -> bool:
+    """Whether a stage can run on a grid of so many axes: its transform's, and its lists' lengths."""
+    from regframe.geometry import Frame
+    from regframe.optimizers.exhaustive import Exhaustive
     from regframe.preset import Search
 
-    searches = isinstance(stage.start, Search)
-    return 3 in stage.transform.dimensions and isinstance(stage.scales, str) and not searches
+    if grid.dim not in stage.transform.dimensions or (grid.dim == 3 and isinstance(stage.start, Search)):
+        return False
+    count = len(stage.transform.identity(Frame.about_centre(grid)))
+    steps = stage.optimizer.number_of_steps if isinstance(stage.optimizer, Exhaustive) else None
+    lists = (stage.scales, stage.weights, steps)
+    return all(len(numbers) in (1, count) for numbers in lists if isinstance(numbers, tuple))

@@ -3,7 +3,10 @@
 from dataclasses import dataclass, replace
 from typing import Self
 
+import numpy as np
+
 from regframe.engine.setting import Setting
+from regframe.metrics.base import Metric
 from regframe.transforms.warp import Chain, Warp
 
 
@@ -45,6 +48,16 @@ class Place:
     def walked(self, warp: Warp, value: float) -> Self:
         """The place after one more level."""
         return replace(self, found=warp, values=(*self.values, value))
+
+    def rank(self, metric: Metric) -> float:
+        """What places are sorted by, lower first: the value, less sure where little overlaps.
+
+        By chance alone the correlation of n independent points strays from 0 by 1 / sqrt(n).
+        """
+        value = self.values[-1] if self.values else self.value
+        if metric.unrelated is None or not np.isfinite(self.overlap):
+            return value
+        return metric.unrelated + (value - metric.unrelated) * float(np.sqrt(self.overlap))
 
     def candidate(self, setting: Setting) -> Candidate:
         """The same with the whole ways from the fixed to the moving image."""

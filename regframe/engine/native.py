@@ -20,6 +20,7 @@ from regframe.engine.setting import Placement, Setting, begun, opened, taken_up
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
+from regframe.kernels.jit import share
 from regframe.optimizers.base import Normals, Step
 from regframe.preset import Preset, Search, Stage
 from regframe.transforms.warp import Chain, Warp
@@ -91,18 +92,40 @@ class _Run:
         self, level: "_Level", places: tuple[Place, ...], rng: Normals
     ) -> Generator[Progress, None, tuple[Place, ...]]:
         """Walk a level from the best places; all of them, those that were walked before others, by value."""
-        walked: list[tuple[Place, LevelReport, list[Progress]]] = []
-        for number, place in enumerate(places[: level.kept]):
+        going = places[: level.kept]
+        if len(going) == 1:
             trace: list[Progress] = []
-            warp, report = yield from level.walk(self.pyramid, place.found, rng, trace, self.began, number)
-            walked.append((place.walked(warp, report.value), report, trace))
-        walked.sort(key=lambda one: one[1].value)
+            steps = level.walk(self.pyramid, going[0].found, rng, trace, self.began, 0)
+            warp, report = yield from steps
+            walked = [(going[0].walked(warp, report.value), report, trace)]
+        else:
+            walked = self.side_by_side(level, going)
+            for _, _, trace in walked:
+                yield from trace
+        walked.sort(key=lambda one: one[0].rank(level.stage.metric))
         self.reports.append(walked[0][1])
         self.trace += walked[0][2]
         ranked = (*(one for one, _, _ in walked), *places[level.kept :])
         if isinstance(level.start, Search):
             self.candidates = tuple(one.candidate(level.setting) for one in ranked)
         return ranked
+
+    def side_by_side(
+        self, level: "_Level", going: tuple[Place, ...]
+    ) -> list[tuple[Place, LevelReport, list[Progress]]]:
+        """Walk a level from several places, each with deviates of its own, so that threads may share them."""
+        walked: list[tuple[Place, LevelReport, list[Progress]] | None] = [None] * len(going)
+        level.ready(self.pyramid, going)
+
+        def walk(first: int, last: int) -> None:
+            for i in range(first, last):
+                trace: list[Progress] = []
+                rng = level.stage.optimizer.normals(level.seed + i)
+                end = exhausted(level.walk(self.pyramid, going[i].found, rng, trace, self.began, i))
+                walked[i] = (going[i].walked(end[0], end[1].value), end[1], trace)
+
+        share(walk, len(going))
+        return [one for one in walked if one is not None]
 
     def result(
         self,
@@ -173,6 +196,12 @@ class _Level:
             scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
         )
 
+    def ready(self, pyramid: Pyramid, places: tuple[Place, ...]) -> None:
+        """Average what the places need, before threads ask for it."""
+        if self.level.fit is not None:
+            for place in places:
+                fitted(pyramid, self.setting, self.setting.onward(place.found), self.level.fit)
+
     def scene(self, pyramid: Pyramid, warp: Warp) -> tuple[Scene, int]:
         """The level's scene, and the sampling seed of the next level."""
         images, setting = pyramid.images, self.setting
@@ -237,15 +266,21 @@ class _Trial:
         rng, seed = self.stage.optimizer.normals(self.seed), self.seed
         for depth in range(len(self.stage.levels)):
             level = _Level(self.stage, self.setting, (self.number, depth), seed)
-            steps = level.walk(pyramid, warp, rng, [], 0.0, 0)
-            while True:
-                try:
-                    next(steps)
-                except StopIteration as end:
-                    warp, _ = end.value
-                    break
+            warp, _ = exhausted(level.walk(pyramid, warp, rng, [], 0.0, 0))
             seed = level.next_seed
         return warp
+
+
+def exhausted(
+    steps: Generator[Progress, None, tuple[Warp, LevelReport]],
+) -> tuple[Warp, LevelReport]:
+    """What a walk ends with, its progress unseen."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            found: tuple[Warp, LevelReport] = end.value
+            return found
 
 
 def filtered(preset: Preset, fixed: Image, moving: Image) -> tuple[Image, Image]:

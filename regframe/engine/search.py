@@ -25,6 +25,8 @@ from regframe.types import Params, Points, Volume
 
 EACH = 3
 """Shifts that are kept of each rotation and scale."""
+NEAR = 4
+"""Grid points between these shifts, along either axis."""
 APART = 6.0
 """Grid points between corners, on average, from which on two places are distinct."""
 WHOLE = 0.99
@@ -52,11 +54,25 @@ def search(stage: Stage, pyramid: Pyramid, setting: Setting) -> tuple[Place, ...
     NoOverlapError
         No shift within the bounds lets the images overlap enough.
     """
-    options = stage.start
+    options, ranked = stage.start, tried(stage, pyramid, setting)
     assert isinstance(options, Search)
-    fixed = pyramid.images[0]
-    if fixed.dim != 2:
-        message = f"start: a search is for 2-D images. Got {fixed.dim}-D. Begin with centres or moments."
+    if not ranked:
+        message = (
+            f"start: no shift within {options.shift:g} of the frame lets the images overlap by "
+            f"{options.overlap:g}. Widen `shift`, or lower `overlap`."
+        )
+        raise NoOverlapError(message)
+    fixed = pyramid.images[0].grid
+    apart = APART * min(fixed.spacing) * fitting(fixed.shape, options.size)
+    return distinct(ranked, options.keep[0], setting.domain, apart)
+
+
+def tried(stage: Stage, pyramid: Pyramid, setting: Setting) -> list[Place]:
+    """The best few shifts of every rotation and scale, sorted; see `search`."""
+    options, dim = stage.start, pyramid.images[0].dim
+    assert isinstance(options, Search)
+    if dim != 2:
+        message = f"start: a search is for 2-D images. Got {dim}-D. Begin with centres or moments."
         raise GeometryError(message)
     field = _Field(stage, options, pyramid, setting)
     scales = [_Scale(field, scale) for scale in field.scales()]
@@ -64,14 +80,7 @@ def search(stage: Stage, pyramid: Pyramid, setting: Setting) -> tuple[Place, ...
     places = [(scale, angle) for angle in field.turns() for scale in scales]
     found: list[list[Place]] = [[] for _ in places]
     share(partial(_score_places, places, found), len(places))
-    ranked = sorted((one for few in found for one in few), key=lambda one: one.value)
-    if not ranked:
-        message = (
-            f"start: no shift within {options.shift:g} of the frame lets the images overlap by "
-            f"{options.overlap:g}. Widen `shift`, or lower `overlap`."
-        )
-        raise NoOverlapError(message)
-    return distinct(ranked, options.keep[0], setting.domain, APART * min(field.grid.spacing))
+    return sorted((one for few in found for one in few), key=lambda one: one.rank(stage.metric))
 
 
 def _score_places(
@@ -190,7 +199,7 @@ class _Scale:
             shift = field.grid.index_to_point.matrix @ np.array([off[1][x], off[0][y]], np.float64)
             affine = centred @ AffineMap(np.eye(2), shift)
             warp = placed_on(field.stage, affine, field.moving.grid, field.setting)
-            found.append(Place(warp, warp, float(bounded[y, x]), float(overlap[y, x])))
+            found.append(Place(warp, warp, float(scored[y, x]), float(overlap[y, x])))
         return found
 
     def _centred(self, angle: float) -> AffineMap:
@@ -250,13 +259,16 @@ def _outline(grid: Grid) -> Points:
 
 
 def _lowest(values: Volume, most: int) -> Iterator[tuple[int, int]]:
-    """Places of the lowest local minima, of 3 by 3 neighbours, at most so many."""
-    around = np.minimum.reduce([np.roll(values, shift, (0, 1)) for shift in product((-1, 0, 1), repeat=2)])
-    places = np.flatnonzero((values == around) & np.isfinite(values))
-    order = np.argsort(values.ravel()[places], kind="stable")[:most]
-    for place in places[order]:
-        y, x = divmod(int(place), values.shape[1])
+    """Places of the lowest values, at most so many, none within `NEAR` of one before; changes `values`."""
+    for _ in range(most):
+        y, x = divmod(int(values.argmin()), values.shape[1])
+        if not np.isfinite(values[y, x]):
+            return
         yield y, x
+        rows, columns = (
+            np.arange(at - NEAR, at + NEAR + 1) % n for at, n in zip((y, x), values.shape, strict=True)
+        )
+        values[np.ix_(rows, columns)] = np.inf
 
 
 def _window(volume: Volume, offset: tuple[int, int], shape: tuple[int, ...]) -> Params:

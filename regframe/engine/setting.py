@@ -33,9 +33,12 @@ class Placement:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from regframe.engine.setting import Placement
     >>> from regframe.geometry import Frame
     >>> from regframe.testing.phantoms import visual_thermal
     >>> from regframe.transforms.translation import Translation
+    >>> from regframe.transforms.warp import Warp
     >>> pair = visual_thermal(seed=1, shape=(48, 64))
     >>> known = Warp(Translation(), np.array([-9.0, -7.0]), Frame.about_centre(pair.fixed.grid))
     >>> from regframe import register

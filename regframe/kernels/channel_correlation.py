@@ -9,6 +9,8 @@ from regframe.kernels.jit import BLOCKS, kernel, share
 from regframe.kernels.orientation import Features
 from regframe.types import Values, Volume
 
+U = np.uint64
+
 
 class Moments(NamedTuple):
     """Weighted sums over the channels of two images."""
@@ -72,7 +74,7 @@ def _sum_products(
         sums = partial[block]
         for row in range(nz * ny * block // len(partial), nz * ny * (block + 1) // len(partial)):
             z, y = row // ny, row % ny
-            for x in range(nx):
+            for x in range(U(nx)):
                 w = weight[z, y, x] * fixed_trust[z, y, x] * moving_trust[z, y, x]
                 if w == 0.0:
                     continue
@@ -103,7 +105,7 @@ def _mix(
     by_fixed, by_moving = factors[0], factors[1]
     for row in range(first, last):
         z, y = row // ny, row % ny
-        for x in range(nx):
+        for x in range(U(nx)):
             w = weight[z, y, x] * fixed_trust[z, y, x] * moving_trust[z, y, x]
             for c in range(count):
                 mixed = by_fixed * fixed[c, z, y, x] + by_moving * moving[c, z, y, x]

@@ -111,7 +111,7 @@ def _begin(first: int, last: int, values: Volume, weight: Volume, out: Volume) -
     _, ny, nx = weight.shape
     for row in range(first, last):
         z, y = row // ny, row % ny
-        for x in range(nx):
+        for x in range(U(nx)):
             there = weight[z, y, x] > 0.0
             out[0, z, y, x] = 1.0 if there else 0.0
             out[1, z, y, x] = values[z, y, x] if there else 0.0
@@ -123,7 +123,7 @@ def _divide(first: int, last: int, weight: Volume, smooth: Volume, trust: Volume
     _, ny, nx = weight.shape
     for row in range(first, last):
         z, y = row // ny, row % ny
-        for x in range(nx):
+        for x in range(U(nx)):
             density = max(smooth[0, z, y, x], 1e-12)
             smooth[0, z, y, x] = density
             smooth[1, z, y, x] /= density
@@ -146,24 +146,34 @@ def _tensors(
     first: int, last: int, smooth: Volume, trust: Volume, raw: Volume, magnitude: float, flat: float
 ) -> None:
     """Channels times trust, and trust."""
-    _, ny, nx = smooth.shape
-    planar = len(raw) == 4
+    nz, ny, nx = smooth.shape
+    planar, third, small = len(raw) == 4, 1.0 / math.sqrt(3.0), flat * flat
+    padded = np.empty(nx + 2)
     for row in range(first, last):
         z, y = row // ny, row % ny
-        for x in range(nx):
-            gx, gy, gz = _rise(smooth, z, y, x)
+        padded[1:-1] = smooth[z, y]
+        padded[0], padded[-1] = padded[1], padded[-2]
+        up, down = smooth[z, max(y - 1, 0)], smooth[z, min(y + 1, ny - 1)]
+        front, behind = smooth[max(z - 1, 0), y], smooth[min(z + 1, nz - 1), y]
+        t, c0, c1, c2, last_channel = trust[z, y], raw[0, z, y], raw[1, z, y], raw[2, z, y], raw[-1, z, y]
+        for x in range(U(nx)):
+            gx, gy, gz = padded[x + U(2)] - padded[x], down[x] - up[x], behind[x] - front[x]
+            length = math.sqrt(0.25 * (gx * gx + gy * gy + gz * gz) + small)
+            per = 0.25 * t[x] / length
+            last_channel[x] = t[x]
+            c0[x] = magnitude * t[x] * (length - flat)
+            c1[x] = per * (gx * gx - gy * gy)
+            c2[x] = per * 2.0 * gx * gy
+        if planar:
+            continue
+        c3, c4, c5 = raw[3, z, y], raw[4, z, y], raw[5, z, y]
+        for x in range(U(nx)):
+            gx, gy, gz = padded[x + U(2)] - padded[x], down[x] - up[x], behind[x] - front[x]
             square = gx * gx + gy * gy + gz * gz
-            length = math.sqrt(square + flat * flat)
-            t = trust[z, y, x]
-            per = t / length
-            raw[-1, z, y, x] = t
-            raw[0, z, y, x] = magnitude * t * (length - flat)
-            raw[1, z, y, x] = per * (gx * gx - gy * gy)
-            raw[2, z, y, x] = per * 2.0 * gx * gy
-            if not planar:
-                raw[3, z, y, x] = per * 2.0 * gx * gz
-                raw[4, z, y, x] = per * 2.0 * gy * gz
-                raw[5, z, y, x] = per * (3.0 * gz * gz - square) / math.sqrt(3.0)
+            per = 0.25 * t[x] / math.sqrt(0.25 * square + small)
+            c3[x] = per * 2.0 * gx * gz
+            c4[x] = per * 2.0 * gy * gz
+            c5[x] = per * (3.0 * gz * gz - square) * third
 
 
 @kernel
@@ -173,7 +183,7 @@ def _normalise(first: int, last: int, raw: Volume, trust: Volume, rows: Volume) 
     for row in range(first, last):
         z, y = row // ny, row % ny
         mass, total = 0.0, 0.0
-        for x in range(nx):
+        for x in range(U(nx)):
             per, square = 1.0 / max(raw[count - 1, z, y, x], 1e-12), 0.0
             raw[count - 1, z, y, x] = per
             for c in range(count - 1):
@@ -197,7 +207,7 @@ def _divide_channels(first: int, last: int, raw: Volume, units: Volume, floor: f
     count, _, ny, nx = units.shape
     for row in range(first, last):
         z, y = row // ny, row % ny
-        for x in range(nx):
+        for x in range(U(nx)):
             per = 1.0 / (_length(raw, z, y, x) + floor)
             for c in range(count):
                 units[c, z, y, x] = raw[c, z, y, x] * per
@@ -219,7 +229,7 @@ def _mean_forces(
     for row in range(first, last):
         z, y = row // ny, row % ny
         mass, total = 0.0, 0.0
-        for x in range(nx):
+        for x in range(U(nx)):
             along = 0.0
             for c in range(count):
                 along -= forces[c, z, y, x] * units[c, z, y, x]
@@ -244,7 +254,7 @@ def _raw_forces(
     count, _, ny, nx = units.shape
     for row in range(first, last):
         z, y = row // ny, row % ny
-        for x in range(nx):
+        for x in range(U(nx)):
             length = _length(raw, z, y, x)
             per = 1.0 / (length + floor)
             along = 0.0
@@ -318,6 +328,6 @@ def _where_present(first: int, last: int, weight: Volume, out: Volume) -> None:
     _, ny, nx = weight.shape
     for row in range(first, last):
         z, y = row // ny, row % ny
-        for x in range(nx):
+        for x in range(U(nx)):
             if not weight[z, y, x] > 0.0:
                 out[z, y, x] = 0.0

@@ -60,13 +60,15 @@ class Metric(Component):
     relations between the two images' intensities under which aligned images score best: "mono" (equal),
     "inverted", "multimodal" (any). `invariant_to` lists changes of the moving intensities that leave the
     value as it is: "shift", "scale", "inversion", "monotone" (any rising curve). The conformance suite holds
-    a metric to what it lists.
+    a metric to what it lists. `unrelated` is the value of images that have nothing in common, where there is
+    one: a search then trusts a value the less, the less the images overlap.
     """
 
     layout: ClassVar[Literal["points", "grid"]] = "points"
     range_of: ClassVar[Literal["image", "samples"]] = "image"
     suits: ClassVar[tuple[str, ...]] = ("mono",)
     invariant_to: ClassVar[tuple[str, ...]] = ()
+    unrelated: ClassVar[float | None] = None
 
     @abstractmethod
     def value(self, pairs: Pairs) -> float:

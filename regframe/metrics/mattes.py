@@ -5,7 +5,8 @@ from typing import ClassVar, Literal, final
 import numpy as np
 from pydantic import Field
 
-from regframe.metrics.base import Metric, Pairs
+from regframe.kernels import cross_information
+from regframe.metrics.base import Metric, Pairs, Translations
 from regframe.metrics.parzen_histogram import Axes, axes, counts, joint_of, slopes_of
 from regframe.types import Matrix, Values
 
@@ -25,6 +26,7 @@ class Mattes(Metric):
 
     range_of: ClassVar[Literal["image", "samples"]] = "samples"
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+    unrelated: ClassVar[float | None] = 0.0
     invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     def prepare(self, pairs: Pairs) -> Axes:
@@ -54,6 +56,11 @@ class Mattes(Metric):
         joint, mass = joint_of(pairs, self.bins)
         log = np.log(np.divide(joint, joint.sum(axis=0), out=np.ones_like(joint), where=counts(joint)))
         return _negative_information(joint), slopes_of(pairs, self.bins, -log, mass)
+
+    def translations(self, pairs: Pairs, lattice: tuple[int, ...]) -> Translations:
+        """Mutual information of a few classes of intensity at all translations, by FFT."""
+        shape = pairs.shape or pairs.weight.shape
+        return cross_information.scorer(pairs.fixed.reshape(shape), pairs.weight.reshape(shape), lattice)
 
 
 def _negative_information(joint: Matrix) -> float:

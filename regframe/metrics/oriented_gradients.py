@@ -40,6 +40,8 @@ class OrientedGradients(Metric):
 
     layout: ClassVar[Literal["points", "grid"]] = "grid"
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
+    unrelated: ClassVar[float | None] = 0.0
 
     def value(self, pairs: Pairs) -> float:
         """Minus the weighted correlation over all channels about their means."""

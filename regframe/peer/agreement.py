@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from inspect import cleandoc
 from math import ceil, log10
 from typing import Any
@@ -16,7 +16,7 @@ from regframe.errors import NoTwin, RegframeError
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
 from regframe.metrics.base import Metric
-from regframe.peer import components, probe, twins, whole
+from regframe.peer import agreement_stages, components, probe, twins, whole
 from regframe.peer.bench import Bench
 from regframe.peer.report import largest
 from regframe.preset import Level, Preset, Stage
@@ -28,6 +28,14 @@ OPTIONS: Mapping[str, Mapping[str, Any]] = {
     "sum": {"parts": ["mattes", "correlation"]},
 }
 """What is set for the measurement: a lattice that fits into the level's iterations, and what must be."""
+VARIANTS: Mapping[str, tuple[Mapping[str, Any], ...]] = {
+    "interpolators/bspline": tuple({"order": order} for order in range(6)),
+    "interpolators/windowed-sinc": tuple(
+        {"window": window} for window in ("blackman", "cosine", "hamming", "lanczos", "welch")
+    ),
+    "transforms/bspline": ({"order": 2, "mesh": (3,)}, {"order": 3, "mesh": (5,)}),
+}
+"""Components that are several of SimpleITK's: all of these are compared, and the worst is told."""
 LEVEL = Level(shrink=2, smooth=1.0, iterations=100)
 NONE = "none"
 SAME = "The same."
@@ -66,10 +74,10 @@ def bound(difference: float) -> float:
     return float(10.0 ** ceil(log10(difference))) if difference > 0 else 0.0
 
 
-def table() -> str:
-    """All components that regframe ships, by kind."""
+def table(more: Mapping[str, list[Row]] | None = None) -> str:
+    """All components that regframe ships, by kind, and further sections."""
     parts = []
-    for kind, rows in sections().items():
+    for kind, rows in {**sections(), **(more or {})}.items():
         parts += [f"### {kind.capitalize()}\n", HEAD, *(row.text() for row in rows), ""]
     return "\n".join(parts)
 
@@ -89,9 +97,19 @@ def sections() -> dict[str, list[Row]]:
     found: dict[str, list[Row]] = {}
     for kind, (registry, measure, theirs) in kinds.items():
         shipped = [name for name in registry.names() if registry.origin(name) == "regframe"]
-        made = [(name, registry.build({"type": name, **OPTIONS.get(name, {})})) for name in shipped]
-        found[kind] = [_row(name, ours, measure, theirs) for name, ours in made]
+        for name in shipped:
+            every = VARIANTS.get(f"{kind}/{name}", (OPTIONS.get(name, {}),))
+            made = [registry.build({"type": name, **options}) for options in every]
+            found.setdefault(kind, []).append(_worst([_row(name, ours, measure, theirs) for ours in made]))
+    found["stages"] = [Row(*case) for case in agreement_stages.measured((_dim2(), _dim3()))]
     return found
+
+
+def _worst(rows: list[Row]) -> Row:
+    """One line of all variants of a component."""
+    twins_of = ", ".join(dict.fromkeys(row.twin for row in rows))
+    known = [row.within for row in rows if row.within is not None]
+    return replace(rows[-1], twin=twins_of, within=largest(known) if known else None)
 
 
 def _row(
@@ -213,14 +231,14 @@ def _bench(pair: tuple[Image, Image], **changes: Any) -> Bench:
 
 
 def _dim2() -> tuple[Image, Image]:
-    return _waves((40, 48))
+    return waves((40, 48))
 
 
 def _dim3() -> tuple[Image, Image]:
-    return _waves((14, 16, 18))
+    return waves((14, 16, 18))
 
 
-def _waves(shape: tuple[int, ...]) -> tuple[Image, Image]:
+def waves(shape: tuple[int, ...]) -> tuple[Image, Image]:
     """Two sums of waves, alike but for a shift and a shade; float64, so that nothing is rounded."""
     places = np.indices(shape, dtype=np.float64)
 

@@ -49,6 +49,12 @@ def in_its_terms(stage: Stage, warp: Warp, moving: Image, setting: Setting) -> T
     GeometryError
         A parameter that moves nothing.
     """
+    if stage.proof is not None:
+        message = (
+            "SimpleITK does not judge a stage by parts of the image that its fit did not see. Leave `proof` "
+            "out, or take the native engine."
+        )
+        raise NoTwin(message)
     grid, warp = setting.domain.coarsen(stage.levels[0].shrink), taken_up(warp, setting, stage.levels[0])
     whole = followed(stage, setting.beyond)
     space, _ = coordinates(whole, warp.params, warp.frame, grid, moving.grid)
@@ -81,7 +87,8 @@ def _of_points(terms: Terms, dim: int) -> Terms:
             "or use the native engine."
         )
         raise NoTwin(message)
-    if twins.summed(stage.metric) and not _sizeless(optimizer):
+    smooths = twins.adding(stage.transform) != stage.transform
+    if twins.summed(stage.metric) and (smooths or not _sizeless(optimizer)):
         notes = (*notes, "SimpleITK's slopes of this metric by a field are not divided by the samples")
         alike = False
     if numbers:

@@ -215,7 +215,7 @@ class Stage(Record):
 
     @model_validator(mode="after")
     def _check_refine(self) -> Self:
-        if self.transform.refines:
+        if self.transform.refines or all(level.refine is None for level in self.levels):
             return self
         name = TRANSFORMS.name_of(self.transform)
         text = f"the transform {name!r} has no mesh to refine. Leave it out, or choose bspline."
@@ -224,9 +224,7 @@ class Stage(Record):
             for i, level in enumerate(self.levels)
             if level.refine is not None
         ]
-        if faults:
-            raise raised(faults)
-        return self
+        raise raised(faults)
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:

@@ -8,6 +8,7 @@ from math import isfinite
 from typing import Any
 
 from regframe.engine.base import LevelReport, Result, unit_depth
+from regframe.engine.candidate import Candidate
 from regframe.geometry import AffineMap
 from regframe.preset import dump
 from regframe.transforms.affine import factors
@@ -93,9 +94,25 @@ def result_record(result: Result, *, verdict: bool = True) -> dict[str, Any]:
         "iterations": sum(level.iterations for level in result.levels),
         "evaluations": sum(level.evaluations for level in result.levels),
         "levels": [_level(result, index) for index in range(len(result.levels))],
+        "candidates": [_candidate(result, one) for one in result.candidates],
         "choices": [{**asdict(choice), "reason": choice.reason} for choice in result.choices],
         "preset": dump(result.preset),
         "provenance": dict(result.provenance),
+    }
+
+
+def _candidate(result: Result, one: Candidate) -> dict[str, Any]:
+    """A place of a search, where it was seen and where its last level left it, in pixels."""
+    to_index, from_index = result.moving.grid.point_to_index, result.fixed.grid.index_to_point
+    ways = {"seen_px": one.seen.as_affine(), "found_px": one.found.as_affine()}
+    return {
+        **{
+            name: None if way is None else (to_index @ way @ from_index).homogeneous().tolist()
+            for name, way in ways.items()
+        },
+        "value": one.value,
+        "overlap": one.overlap,
+        "values": list(one.values),
     }
 
 

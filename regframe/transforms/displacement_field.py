@@ -22,7 +22,7 @@ class DisplacementField(Transform):
     """One vector a grid point, linear between them; points beyond the field do not move.
 
     `itk::DisplacementFieldTransform`, and where a variance is given
-    `itk::GaussianSmoothingOnUpdateDisplacementFieldTransform`: after M. Stefanescu, X. Pennec and N.
+    `itk::GaussianSmoothingOnUpdateDisplacementFieldTransform`: after Stefanescu, Pennec and
     Ayache, "Grid powered nonlinear image registration with locally adaptive regularization", Medical Image
     Analysis 8(3), 2004, smoothing each step makes the motion fluid, and smoothing the whole field makes it
     elastic. Parameters are the vectors of all points, x fastest, components side by side. The field lies on

@@ -23,8 +23,12 @@ if TYPE_CHECKING:
 GOOD, FAILED = 0.9, 0.2
 """A map is good from this probability on, and failed below that one; between them it is doubtful."""
 
-MEASURED = ("mattes", "oriented-gradients")
-"""Metrics of the last stage whose runs are in the table."""
+COVERED = ("mattes", "oriented-gradients")
+"""Metrics of the last stage that are judged.
+
+The table's runs used the second. The evidence looks at a map and not at how it was found, so it is taken
+to hold for maps of the first too, which a test tries on a street.
+"""
 
 SMALLEST = 96
 """Pixels along the shorter side of a frame, from which on frames are in the table."""
@@ -87,8 +91,8 @@ def excuse(result: "Result") -> str:
     if smallest < SMALLEST:
         return f"no frames of less than {SMALLEST} pixels were calibrated, and one here has {smallest}"
     metric = METRICS.name_of(result.preset.stages[-1].metric)
-    if metric not in MEASURED:
-        return f"no runs with the metric {metric} were calibrated"
+    if metric not in COVERED:
+        return f"the calibration does not cover the metric {metric}"
     return ""
 
 

@@ -6,16 +6,19 @@ import pytest
 
 from house.source import REPOSITORY
 from regframe.catalog import INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
+from regframe.peer import settings
 from regframe.peer.agreement import NONE, Row, rows
+from regframe.peer.agreement_stages import CASES
 
 PAGE = REPOSITORY / "docs" / "explanation" / "agreement.md"
-LINE = re.compile(r"^\| `(?P<name>[a-z0-9-]+)` \| (?P<cells>.+) \|$", re.MULTILINE)
+LINE = re.compile(r"^\| `(?P<name>[^`]+)` \| (?P<cells>.+) \|$", re.MULTILINE)
 SHIPPED = [
     name
     for registry in (METRICS, TRANSFORMS, INTERPOLATORS, OPTIMIZERS)
     for name in registry.names()
     if registry.origin(name) == "regframe"
 ]
+SHIPPED += [case.name for case in CASES]
 EXACT = 1e-12  # what is equal in every bit here may not be with another library of sines
 
 
@@ -53,6 +56,30 @@ def test_what_has_a_twin_agrees_with_it(name, measured):
     loosest = 1e-7 if row.way != "answers only: the walks are not alike" else 0.1
 
     assert row.twin == NONE or row.within <= loosest
+
+
+@pytest.fixture(scope="module")
+def set_up():
+    return {row.name: row for row in settings.rows()}
+
+
+def test_a_setting_has_a_line_that_is_true(written, set_up):
+    for name, row in set_up.items():
+        assert name in written, "run `make docs`"
+        twin, way, within, relation = (cell.strip() for cell in written[name])
+        assert (twin, way, relation) == (row.twin, row.way, row.relation), "run `make docs`"
+        assert row.within is not None
+        assert row.within <= min(10 * promised(within), 1e-9)
+
+
+def test_no_cell_of_the_page_is_empty():
+    """Departures from ITK and how to ask for its way, what is said otherwise, and every component."""
+    tables = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("|")]
+
+    assert len(tables) > 60
+    for line in tables:
+        cells = re.split(r"(?<!\\)\|", line)[1:-1]
+        assert all(cell.strip() for cell in cells), line
 
 
 def promised(cell):

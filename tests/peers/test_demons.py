@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from regframe.catalog import TRANSFORMS
+from regframe.engine.setting import Setting
 from regframe.geometry import Grid
 from regframe.image import Image
 from regframe.peer import probe
@@ -45,7 +46,7 @@ def test_value_and_pushes(case, gradient, masked):
     pairs = ours.pairs(warp.params)
     value, forces = ours.stage.metric.value(pairs), ours.forces(pairs)
 
-    part = Part(ours.stage, ours.stage.levels, 1)
+    part = Part(ours.stage, ours.stage.levels, 1, Setting(fixed.grid))
     expected, pushes = probe.pushed(part, fixed, moving, warp)
     assert value == pytest.approx(expected, rel=1e-12)
     # Their push is the difference of two positions near 1, a share of 1e-15 of which is lost.

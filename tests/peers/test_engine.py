@@ -35,8 +35,9 @@ def test_both_engines_end_at_the_same_map(name):
     # A preset that no longer compares, or one that is listed and does, fails here.
     assert theirs.provenance["alike"] == (name not in OWN_WAYS), theirs.provenance["notes"]
     if theirs.provenance["alike"]:
-        # Slopes differ in their last bits, and every turn of a descent depends on the sign of one.
-        assert apart(ours.warp, theirs.warp) <= (1e-6 if without_slopes(chosen) else 1e-4)
+        # Slopes differ in their last bits, with the order in which SimpleITK's threads end too, and every
+        # turn of a descent depends on the sign of one. One thread: tests/realdata/test_parity.py.
+        assert apart(ours.warp, theirs.warp) <= (1e-6 if without_slopes(chosen) else 1e-3)
         assert abs(len(ours.trace) - len(theirs.trace)) <= len(ours.levels)
 
 

@@ -26,15 +26,18 @@ EVOLUTION = 60
 """Iterations a level of searches without slopes: they walk bit for bit, so that more show nothing more."""
 VOLUMES = 12
 """Iterations a level of descents over many points of a volume, which take SimpleITK half a second each."""
+BENT = 1
+"""The same with splines of thousands of parameters, on coarser volumes."""
 EXACT, CLOSE = 1e-6, 1e-4
 """Pixels (or mm) between the corners, of searches by values and of descents."""
 
 CHAOTIC = {
     ("ants-affine", 2): 10,
     ("ants-rigid-affine", 2): 10,
-    ("ants-similarity", 2): 10,
-    ("brain-ct-mr", 3): 10,
+    ("ants-similarity", 2): 4,
+    ("brain-ct-mr", 3): 3,
     ("elastix-affine", 2): 30,
+    ("elastix-rigid", 3): 20,
 }
 """Descents that cannot agree to their ends, and the iterations a level over which they do.
 
@@ -73,11 +76,11 @@ def slices(data, below):
 
 
 @cache
-def heads(data, kind):
-    """A head's T1 in voxels of 3 mm and a turned copy of it, or CT and T1."""
+def heads(data, kind, size=3):
+    """A head's T1 in voxels of some mm and a turned copy of it, or CT and T1."""
     folder = data / "multimodal_3d"
     first = sitk.ReadImage(str(folder / "mni_icbm152_t1_tal_nlin_sym_09a_converted.nii.gz"), sitk.sitkFloat32)
-    still = sitk.BinShrink(first, [3, 3, 3])
+    still = sitk.BinShrink(first, [size] * 3)
     if kind == "ct":
         scan = sitk.ReadImage(str(folder / "ct_template_2mm.nii"), sitk.sitkFloat32)
         return coerce(scan, "ct"), coerce(still, "t1")
@@ -90,7 +93,7 @@ def heads(data, kind):
 def images(data, name, dim):
     """A pair that suits a preset."""
     if dim == 3:
-        return heads(data, "ct" if "ct" in name else "t1")
+        return heads(data, "ct" if "ct" in name else "t1", 10 if "bspline" in name else 3)
     if name.startswith("brain-slices"):
         return slices(data, "T1")
     if name.startswith(("paper", "matlab-multimodal", "elastix")):
@@ -104,7 +107,8 @@ def cut(name, dim):
     if without_slopes(whole):
         return shortened(name, EVOLUTION)
     many = any(level.fraction > 0.1 for stage in whole.stages for level in stage.levels)
-    most = VOLUMES if dim == 3 and many else np.inf
+    bent = any(not stage.transform.closed for stage in whole.stages)
+    most = (BENT if bent else VOLUMES) if dim == 3 and many else np.inf
     return shortened(name, min(most, CHAOTIC.get((name, dim), np.inf)))
 
 
@@ -152,16 +156,21 @@ def run_from(chosen, pair, start):
 
 
 OTHERS = {
-    "powell": ({"type": "powell", "keep": "last"}, 4),
-    "amoeba": ({"type": "amoeba", "parameters_tolerance": 0.05, "value_tolerance": 0.01}, 300),
+    "powell": ({"type": "powell", "keep": "last"}, 1, 1e-3),
+    "amoeba": ({"type": "amoeba", "parameters_tolerance": 0.05, "value_tolerance": 0.01}, 300, EXACT),
 }
+"""Options, iterations, and the bound.
+
+Powell's line searches fit parabolas to values, which divides differences of last bits by each other: 3e-4 px
+after one iteration on the frames, 2e-11 on the heads, and a hundred times as much after the next.
+"""
 
 
 @pytest.mark.parametrize("optimizer", list(OTHERS))
 @pytest.mark.parametrize("dim", [2, 3])
 def test_optimizers_that_no_preset_uses(data, optimizer, dim):
-    """Powell's and the simplex end at the same place too."""
-    options, iterations = OTHERS[optimizer]
+    """Powell's and the simplex end near each other too."""
+    options, iterations, bound = OTHERS[optimizer]
     changes = {
         "stages.0.optimizer": options,
         "stages.0.levels": [{"shrink": 2, "smooth": 1.0, "iterations": iterations}],
@@ -171,4 +180,4 @@ def test_optimizers_that_no_preset_uses(data, optimizer, dim):
 
     found = compare(chosen, scene(data) if dim == 2 else heads(data, "t1"))
 
-    assert found <= EXACT
+    assert found <= bound

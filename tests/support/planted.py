@@ -9,6 +9,7 @@ from regframe.interpolators.linear import Linear
 from regframe.metrics.base import Metric, Pairs
 from regframe.metrics.mattes import Mattes
 from regframe.metrics.mean_squares import MeanSquares
+from regframe.metrics.parzen_histogram import joint_of
 from regframe.peer import twins
 from regframe.transforms.base import Transform
 from regframe.transforms.similarity import Similarity
@@ -41,7 +42,7 @@ class Swapped(Metric):
         return Mattes(bins=self.bins).prepare(pairs)
 
     def value(self, pairs):
-        joint, _ = Mattes(bins=self.bins)._joint(pairs)
+        joint, _ = joint_of(pairs, self.bins)
         rows, columns = joint.sum(axis=0), joint.sum(axis=1)
         met = joint > 0
         expected = np.outer(rows, columns)

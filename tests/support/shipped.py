@@ -13,7 +13,17 @@ from regframe.preset import Preset, Stage
 
 NAMES = sorted(path.stem for path in (REPOSITORY / "presets").glob("*.toml"))
 
-NATIVE_ONLY = {"visual-thermal": "SimpleITK has no metric of oriented gradients, and no search"}
+NATIVE_ONLY = dict.fromkeys(
+    (
+        "multimodal-brain-2d",
+        "visual-thermal",
+        "visual-thermal-affine",
+        "visual-thermal-fast",
+        "visual-thermal-projective",
+        "visual-thermal-radial",
+    ),
+    "SimpleITK has no search, no BFGS and no metric of oriented gradients",
+)
 """Presets that SimpleITK cannot run, and why: it must refuse exactly these."""
 
 OWN_WAYS = {
@@ -42,7 +52,7 @@ def _fits(stage: Stage, dim: int) -> bool:
         return False
     count = len(stage.transform.identity(Frame.about_centre(Grid.of_shape((16,) * dim))))
     steps = stage.optimizer.number_of_steps if isinstance(stage.optimizer, Exhaustive) else (1,)
-    lists = [stage.scales] if isinstance(stage.scales, tuple) else []
+    lists = [numbers for numbers in (stage.scales, stage.weights) if isinstance(numbers, tuple)]
     lists += [steps] if len(steps) > 1 else []
     return all(len(numbers) == count for numbers in lists)
 

@@ -24,7 +24,8 @@ def test_writes_the_image_on_the_other_grid_at_its_own_depth(shift, pair, phanto
 
 def test_repeats_what_register_wrote(pair, tmp_path, regframe):
     out = tmp_path / "out"
-    regframe("register", *pair, "--set", "stages.0.levels.0.iterations=4", "--out", out, "--no-figures")
+    few = ("--preset", "paper-similarity", "--set", "stages.0.levels.0.iterations=4")
+    regframe("register", *pair, *few, "--out", out, "--no-figures", "--no-verdict")
 
     regframe("apply", out / "transform.tfm", pair[1], "--like", pair[0], "--out", tmp_path / "again.png")
 

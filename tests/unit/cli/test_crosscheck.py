@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from regframe import METRICS
 from regframe.peer.report import FILES
 
 from .conftest import QUICK
@@ -64,6 +65,34 @@ def test_a_misspelt_preset_is_refused(pair, regframe):
 
 
 def test_registers_with_the_second_engine(pair, regframe):
-    found = regframe("register", *pair, *QUICK, "--engine", "simpleitk", "--json")
+    options = ("--preset", "paper-similarity", "--engine", "simpleitk", "--json")
+    found = regframe("register", *pair, *QUICK, *options)
 
     assert json.loads(found.out)["provenance"]["engine"] == "simpleitk"
+
+
+MINE = """
+import numpy as np
+from regframe import METRICS, Metric
+
+@METRICS.register("my-difference")
+class MyDifference(Metric):
+    def value(self, pairs):
+        return float(np.sum(pairs.weight * np.abs(pairs.fixed - pairs.moving)) / pairs.weight.sum())
+"""
+
+
+def test_a_script_with_a_metric_of_ones_own_is_checked_by_pairs(check, tmp_path):
+    script = tmp_path / "mine.py"
+    script.write_text(MINE)
+    try:
+        outcome = check("--plugin", script, "--set", "stages.0.metric=my-difference", "--json")
+    finally:
+        METRICS.forget("my-difference")
+
+    found = json.loads(outcome.out)
+    pairs = [line["verdict"] for line in found["lines"] if line["floor"] == "pairs"]
+    assert outcome.code == 0
+    assert found["agrees"] is True
+    assert pairs == ["agrees", "agrees"]
+    assert any("MyDifference" in line["why"] for line in found["lines"])

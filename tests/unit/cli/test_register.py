@@ -121,7 +121,7 @@ def test_masks_change_the_result(pair, phantom, tmp_path, regframe):
     [
         (("--preset", "paper-similarty"), "Did you mean 'paper-similarity'?"),
         (("--preset", "missing.toml"), "missing.toml"),
-        (("--set", "stages.0.metric.bin=32"), "Did you mean 'bins'?"),
+        (("-p", "paper-similarity", "--set", "stages.0.metric.bin=32"), "Did you mean 'bins'?"),
         (("--set", "seed"), "path=value"),
         (("--seed", "-1"), "seed"),
         (("--engine", "nativ"), "Did you mean 'native'?"),
@@ -228,7 +228,14 @@ def test_an_interruption_while_writing_leaves_nothing(pair, tmp_path, regframe, 
 def test_control_c_stops_a_run_in_one_line(pair, tmp_path):
     line = ["-m", "regframe", "register", *map(str, pair), "--out", str(tmp_path / "out")]
     levels = "[{shrink = 4, iterations = 1}, {iterations = 1000000}]"
-    options = ["--set", f"stages.0.levels={levels}", "--set", "stages.0.optimizer.epsilon=0"]
+    options = [
+        "-p",
+        "paper-similarity",
+        "--set",
+        f"stages.0.levels={levels}",
+        "--set",
+        "stages.0.optimizer.epsilon=0",
+    ]
     with subprocess.Popen([sys.executable, *line, *options], stderr=subprocess.PIPE, text=True) as process:
         # The first level's line says that the run goes.
         assert process.stderr is not None

@@ -175,3 +175,10 @@ def test_a_metric_without_twin_is_refused_before_the_work(pair):
 
     with pytest.raises(NoTwin, match="Mine"):
         run(pair, metric=Mine())
+
+
+def test_a_stage_that_needs_proof_is_refused(pair):
+    stages = [STAGE, {**STAGE, "transform": "affine", "proof": 2.0}]
+
+    with pytest.raises(NoTwin, match="Leave `proof` out"):
+        regframe.register({"seed": 3, "stages": stages}, *pair, engine="simpleitk")

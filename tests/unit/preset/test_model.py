@@ -261,6 +261,7 @@ def test_dump_writes_every_default_out(base):
         "iterations": 300,
         "sampling": "all",
         "fraction": 1.0,
+        "refine": None,
     }
     assert whole["stages"][0]["transform"] == {"type": "similarity"}
     assert whole["stages"][0]["interpolator"] == {"type": "bspline", "order": 2}

@@ -202,24 +202,6 @@ def test_the_identity_comes_as_a_translation(tmp_path, theirs):
     np.testing.assert_array_equal(warp.frame.centre, PLANE.centre)
 
 
-@pytest.mark.parametrize(
-    ("theirs", "kind"),
-    [
-        (sitk.BSplineTransform(2), "BSplineTransform"),
-        (
-            sitk.DisplacementFieldTransform(sitk.Image([4, 4], sitk.sitkVectorFloat64)),
-            "DisplacementFieldTransform",
-        ),
-    ],
-    ids=["spline", "field"],
-)
-def test_names_a_transform_that_is_not_affine(tmp_path, theirs, kind):
-    sitk.WriteTransform(theirs, str(tmp_path / "theirs.h5"))
-
-    with pytest.raises(GeometryError, match=rf"{kind} is not affine, or unknown.*known are Translation"):
-        files.read(tmp_path / "theirs.h5", PLANE)
-
-
 def test_names_both_dimensions_where_they_differ(tmp_path):
     files.write(WARPS["affine in 3-D"], tmp_path / "warp.tfm")
 

@@ -1,6 +1,7 @@
 """Homographies and lenses on genuine unaligned pairs, beside the similarity that they began from.
 
-``pytest -m slow tests/benchmarks/test_lenses.py -s`` prints the table. Errors are mean distances from the
+``pytest -m slow tests/benchmarks/lenses.py -s`` prints the table, in a quarter
+of an hour; its name keeps it out of the other runs. Errors are mean distances from the
 ground truth in thermal pixels. The floor is the least that any similarity leaves. A pair whose similarity is
 more than max(5, floor + 3) pixels off was lost by the search: it stands in the table and in the medians, but
 a homography or a lens is not blamed for it.
