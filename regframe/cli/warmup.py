@@ -50,17 +50,17 @@ def warmup(presets: Presets = None, plugin: Plugins = None) -> None:
 
 
 def _short(preset: "Preset") -> "Preset":
+    """The preset with few iterations, all pixels of the small pair, and splines of few cells."""
     from regframe.preset import load
+    from regframe.transforms.bspline import BSpline
 
-    return load(
-        preset,
-        {
-            f"stages.{i}.levels.{j}.{key}": value
-            for i, stage in enumerate(preset.stages)
-            for j in range(len(stage.levels))
-            for key, value in (("iterations", ITERATIONS), ("shrink", 1))
-        },
-    )
+    values: dict[str, object] = {}
+    for i, stage in enumerate(preset.stages):
+        if isinstance(stage.transform, BSpline):
+            values[f"stages.{i}.transform.mesh"] = [1]
+        for j in range(len(stage.levels)):
+            values |= {f"stages.{i}.levels.{j}.iterations": ITERATIONS, f"stages.{i}.levels.{j}.shrink": 1}
+    return load(preset, values)
 
 
 def _takes(stage: "Stage", grid: "Grid") -> bool:
