@@ -1,4 +1,8 @@
-"""What the plugins' READMEs say was measured: `pytest -m slow tests/benchmarks/test_plugins.py -s`."""
+"""What the plugins' READMEs say was measured: `pytest -m slow tests/benchmarks/plugins.py -s`.
+
+It takes some minutes, and so runs only when it is named; `tests/golden/test_plugin_presets.py` holds a
+case of each plugin in every run of the tests.
+"""
 
 import numpy as np
 import pytest
@@ -7,7 +11,7 @@ from scipy import ndimage
 import regframe
 from regframe.catalog import FILTERS, INTERPOLATORS
 from regframe.interpolators.base import Samples
-from regframe.testing.phantoms import corner_error, misalignment, visual_thermal
+from regframe.testing.phantoms import corner_error, misalignment, smooth_pair, visual_thermal
 from support.plugins import FOLDERS, install
 
 pytestmark = pytest.mark.slow
@@ -31,7 +35,11 @@ def test_cma_es_beside_one_plus_one():
         for preset in ("cma-es-similarity", "paper-similarity"):
             result = regframe.register(preset, street.fixed, street.moving)
             left[preset] = corner_error(result.warp, street.truth, WIDE)
-        print(f"street {seed}: corner error, px: {left}")
+            (level,) = result.levels
+            print(
+                f"street {seed}, {preset}: corner error {left[preset]:.2f} px after {level.iterations} "
+                f"iterations, {level.evaluations} evaluations"
+            )
         assert left["cma-es-similarity"] < left["paper-similarity"]
 
 
@@ -91,6 +99,23 @@ def test_destripe_alone_and_before_a_search():
                 f"corner error {held:.3f} px, evened {free:.3f}"
             )
             assert free < held
+
+
+def test_destripe_where_the_other_image_has_no_stripes():
+    for seed in SEEDS:
+        street = visual_thermal(seed, WIDE.shape)
+        rng, columns = np.random.default_rng(seed + 9), street.moving.grid.shape[1]
+        gain, offset = 1 + 0.05 * rng.standard_normal(columns), 80.0 * rng.standard_normal(columns)
+        seen = street.moving.with_rounded(8000 + (street.moving.values - 8000) * gain + offset)
+        held, freed = (
+            corner_error(regframe.register(preset, street.fixed, seen).warp, street.truth, WIDE)
+            for preset in (
+                "paper-similarity-pyramid",
+                regframe.load_preset("paper-similarity-pyramid", {"filters.moving": ["destripe"]}),
+            )
+        )
+        print(f"street {seed}: corner error {held:.2f} px, evened {freed:.2f}")
+        assert max(held, freed) < 2.0
 
 
 def test_polynomial_after_a_lens():
@@ -174,3 +199,24 @@ def test_cross_cumulative_residual_entropy_on_bent_slices(data):
             start = np.linalg.norm(rest.reshape(2, -1) - wanted, axis=0)[brain].mean()
             print(f"bend {seed}, {name}: {left:.2f} px of {start:.2f}")
             assert left < 0.5
+
+
+def test_cross_cumulative_residual_entropy_as_in_the_paper_on_smooth_phantoms():
+    rest = np.indices((96, 110), dtype=np.float64)
+    bend = 4.0 * np.array([np.sin(rest[1] / 25.0), np.sin(rest[0] / 22.0)])
+    for seed in SEEDS:
+        pair = smooth_pair("multimodal", (96, 110), seed=seed)
+        seen = ndimage.map_coordinates(pair.moving.values, rest + bend, order=3, mode="nearest")
+        left = {}
+        for normalized in (True, False):
+            metric = {"type": "cross-cumulative-residual-entropy", "normalized": normalized}
+            preset = regframe.load_preset(
+                "cross-cumulative-bspline", {"stages.0.metric": metric, "stages.1.metric": metric}
+            )
+            warp = regframe.register(preset, pair.fixed, pair.moving.with_values(seen)).warp
+            reached = warp(pair.fixed.grid.points(pair.fixed.grid.all_indices()))[:, ::-1].T
+            back = [ndimage.map_coordinates(each, reached, order=1, mode="nearest") for each in bend]
+            missed = np.linalg.norm(reached + np.array(back) - rest.reshape(2, -1), axis=0)
+            left[normalized] = missed.reshape(96, 110)[8:-8, 8:-8].mean()
+        print(f"phantom {seed}: {left[True]:.2f} px normalized, {left[False]:.2f} px as in the paper")
+        assert left[True] < 1.0
