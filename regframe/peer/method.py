@@ -234,13 +234,20 @@ def seeds_used(level: Level) -> int:
 
 
 @contextmanager
-def quiet() -> Generator[None, None, None]:
-    """Keep ITK's warnings off the terminal; what they warn of shows in values and counts."""
+def steady() -> Generator[None, None, None]:
+    """Keep ITK's warnings off the terminal, and its metrics to our number of threads.
+
+    What it warns of shows in values and counts. A method's own number of threads does not reach its metric,
+    whose sums depend on it in their last bits.
+    """
     import SimpleITK as sitk
 
-    shown = sitk.ProcessObject.GetGlobalWarningDisplay()
-    sitk.ProcessObject.SetGlobalWarningDisplay(False)
+    process = sitk.ProcessObject
+    shown, count = process.GetGlobalWarningDisplay(), process.GetGlobalDefaultNumberOfThreads()
+    process.SetGlobalWarningDisplay(False)
+    process.SetGlobalDefaultNumberOfThreads(threads())
     try:
         yield
     finally:
-        sitk.ProcessObject.SetGlobalWarningDisplay(shown)
+        process.SetGlobalWarningDisplay(shown)
+        process.SetGlobalDefaultNumberOfThreads(count)
