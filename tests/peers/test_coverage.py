@@ -117,8 +117,14 @@ OFFERED = {
         ["test_gaussian.py::test_smooths_to_the_same_bits", "test_starts.py::test_smoothing_units"],
     ),
     "initialisers": (
-        ['start = "centres"', 'start = "moments"', 'start = "principal-axes"'],
         [
+            'start = "centres"',
+            'start = "moments"',
+            'start = "principal-axes"',
+            'start = "itk-principal-axes"',
+        ],
+        [
+            "test_starts.py::test_itks_own_turn_is_found",
             "test_starts.py::test_moments_are_the_initialiser_without_rotation",
             "test_starts.py::test_principal_axes_are_theirs_but_not_the_turn",
         ],
