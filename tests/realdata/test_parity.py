@@ -96,7 +96,8 @@ def heads(data, kind, size=3):
 def images(data, name, dim):
     """A pair that suits a preset."""
     if dim == 3:
-        return heads(data, "ct" if "ct" in name else "t1", 10 if "bspline" in name else 3)
+        coarse = "bspline" in name or "exhaustive" in name
+        return heads(data, "ct" if "ct" in name else "t1", 10 if coarse else 3)
     if name.startswith("brain-slices"):
         return slices(data, "T1")
     if name.startswith(("paper", "matlab-multimodal", "elastix")):
