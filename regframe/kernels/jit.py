@@ -24,6 +24,7 @@ BLOCKS = 8
 """Reductions are cut into this many parts, whatever the number of threads, and summed in order."""
 
 
+Array = NDArray[np.float64]
 Four = tuple[float, float, float, float]
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -82,9 +83,90 @@ def _columns(_: Any, array: Any, index: Any, stride: Any, shares: Any) -> Any:
     return floats(array, index, stride, shares), generate
 
 
+@intrinsic
+def _blend(
+    _: Any, out: Any, at: Any, array: Any, places: Any, k: Any, offset: Any, width: Any, tx: Any, ty: Any
+) -> Any:
+    """Bilinear values at the four samples from `k` on, into `out` from `at` on; all four as one.
+
+    Sample i lies between the corners ``o, o + 1, o + width, o + width + 1`` of `array`, where
+    ``o = offset + int(places[i])``, at ``tx[i], ty[i]`` from the first. The compiler cannot do this by
+    itself: for all it knows, what is written changes what is read next. Along x first, without fused
+    operations: the bits are those of the formula.
+    """
+    long, pair, four = ir.IntType(64), ir.VectorType(ir.DoubleType(), 2), ir.VectorType(ir.DoubleType(), 4)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        where, k = _where(context, builder, signature, arguments), arguments[4]
+
+        def along(low: Any, high: Any, t: Any) -> Any:
+            return builder.fadd(low, builder.fmul(builder.fsub(high, low), t))
+
+        def line(shift: Any) -> Any:
+            pairs = [builder.load(where(2, builder.add(o, shift), pair), align=8) for o in corners]
+            first, last = (_shuffled(builder, *two, (0, 2, 1, 3)) for two in (pairs[:2], pairs[2:]))
+            return [_shuffled(builder, first, last, lanes) for lanes in ((0, 1, 4, 5), (2, 3, 6, 7))]
+
+        places = [builder.load(where(3, builder.add(k, long(i)), ir.DoubleType())) for i in range(4)]
+        corners = [builder.add(arguments[5], builder.fptosi(place, long)) for place in places]
+        tx, ty = (builder.load(where(which, k, four), align=8) for which in (7, 8))
+        value = along(along(*line(long(0)), tx), along(*line(arguments[6]), tx), ty)
+        builder.store(value, where(0, arguments[1], four), align=8)
+        return context.get_dummy_value()
+
+    return numba.void(out, at, array, places, k, offset, width, tx, ty), generate
+
+
+@intrinsic
+def _add_powers(_: Any, array: Any, cells: Any, t: Any, shares: Any, k: Any) -> Any:
+    """For four samples i from `k` on: add ``shares[i] * t[i]**q`` to ``array[4 * int(cells[i]) + q]``, q to 3.
+
+    The four powers of one sample are added as one, after those of four samples were multiplied as one.
+    Samples follow each other, so the bits are those of a loop.
+    """
+    long, four = ir.IntType(64), ir.VectorType(ir.DoubleType(), 4)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        where, k = _where(context, builder, signature, arguments), arguments[4]
+        steps, powers = builder.load(where(2, k, four), align=8), [builder.load(where(3, k, four), align=8)]
+        for _ in range(3):
+            powers.append(builder.fmul(powers[-1], steps))
+        halves = [
+            _shuffled(builder, *two, lanes)
+            for lanes in ((0, 4, 2, 6), (1, 5, 3, 7))
+            for two in (powers[:2], powers[2:])
+        ]
+        for i in range(4):
+            lanes = (0, 1, 4, 5) if i < 2 else (2, 3, 6, 7)
+            added = _shuffled(builder, *halves[2 * (i % 2) : 2 * (i % 2) + 2], lanes)
+            cell = builder.fptosi(builder.load(where(1, builder.add(k, long(i)), ir.DoubleType())), long)
+            place = where(0, builder.shl(cell, long(2)), four)
+            builder.store(builder.fadd(builder.load(place, align=8), added), place, align=8)
+        return context.get_dummy_value()
+
+    return numba.void(array, cells, t, shares, k), generate
+
+
+def _where(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """What gives the address of an item, or of a vector of neighbours, in one of an intrinsic's arrays."""
+
+    def where(which: int, index: Any, kind: Any) -> Any:
+        data = context.make_array(signature.args[which])(context, builder, arguments[which]).data
+        return builder.bitcast(builder.gep(data, [index]), kind.as_pointer())
+
+    return where
+
+
+def _shuffled(builder: Any, first: Any, second: Any, lanes: tuple[int, ...]) -> Any:
+    """Lanes of two vectors, those of the second counted on."""
+    return builder.shuffle_vector(first, second, ir.Constant(ir.VectorType(ir.IntType(32), 4), list(lanes)))
+
+
 # To numba these are the functions above; to the type checker, what kernels may call.
-prefetch = cast("Callable[[NDArray[np.float64], int], None]", _prefetch)
-columns = cast("Callable[[NDArray[np.float64], int, int, Four], Four]", _columns)
+prefetch = cast("Callable[[Array, int], None]", _prefetch)
+columns = cast("Callable[[Array, int, int, Four], Four]", _columns)
+blend = cast("Callable[[Array, int, Array, Array, int, int, int, Array, Array], None]", _blend)
+add_powers = cast("Callable[[Array, Array, Array, Array, int], None]", _add_powers)
 
 
 class Compiled(Protocol):
