@@ -17,9 +17,16 @@ EPSILON = float(np.finfo(np.float64).eps)
 
 @kernel
 def _locate(
-    first: int, moving: Values, weight: Values, rows: Cells, axis: Values, bins: int, found: Matrix, count: int
+    first: int,
+    moving: Values,
+    weight: Values,
+    rows: Cells,
+    axis: Values,
+    bins: int,
+    found: Matrix,
+    count: int,
 ) -> None:
-    """Cells, places between bins and weights of `count` samples, into (3, CHUNK); out of range nothing weighs."""
+    """Cells, places between bins and weights of `count` samples, into (3, CHUNK); 0 weighs what is beyond."""
     low, high, scale, offset = axis[0], axis[1], axis[2], axis[3]
     cells, places, shares, last = found[0], found[1], found[2], np.float64(bins - 3)
     for k in range(count):
@@ -50,7 +57,8 @@ def moments(
 ) -> None:
     """Per block: (bins * bins, 4) sums of weight * t**q by fixed bin and first moving bin.
 
-    `partial` has a cell more in each block, the room `_cells` takes. `rows` is bins * fixed bin; `axis` holds lowest and highest value, 1 / bin width and minimum in bins.
+    `rows` is bins * fixed bin; `axis` holds lowest and highest value, 1 / bin width and minimum in bins.
+    `partial` has one cell more in each block, the room that `_cells` takes.
     """
     n, found = len(moving), np.zeros((3, CHUNK))
     places, steps, shares = found[0], found[1], found[2]
