@@ -1,12 +1,15 @@
 """Each distribution in `plugins/`, once installed, is listed, explained, checked and run by name."""
 
-import subprocess
+import io
 import sys
 import tomllib
+from contextlib import redirect_stdout
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import regframe
+from regframe.cli.main import run
 from regframe.testing.phantoms import visual_thermal
 
 BRIEFLY = ("--no-figures", "--no-verdict")  # three iterations find nothing, which a verdict would say
@@ -14,16 +17,26 @@ PLUGINS = Path(__file__).resolve().parents[1] / "plugins"
 
 
 def told(*words: str) -> str:
-    """What a regframe command says; whatever goes wrong ends the script."""
+    """What a regframe command says, in this process; whatever goes wrong ends the script."""
     sys.stdout.write(f"$ regframe {' '.join(words)}\n")
     sys.stdout.flush()
-    return subprocess.run(["regframe", *words], check=True, stdout=subprocess.PIPE, text=True).stdout
+    with redirect_stdout(io.StringIO()) as said:
+        code = run(words)
+    if code:
+        sys.exit(f"{said.getvalue()}it ended with {code}")
+    return said.getvalue()
+
+
+@cache
+def listed(plural: str) -> list[str]:
+    """The lines of a list."""
+    return told("list", plural).splitlines()
 
 
 def use(kind: str, name: str, preset: str, frames: list[str], out: Path) -> None:
     """Ask for a component and its preset in every way there is."""
     for plural, each in ((f"{kind}s", name), ("presets", preset)):
-        lines = told("list", plural).splitlines()
+        lines = listed(plural)
         if not any(line.startswith(f"{each} ") and "unusable" not in line for line in lines):
             sys.exit(f"{each} is not listed among the {plural}:\n" + "\n".join(lines))
     told("check", kind, name)

@@ -12,7 +12,7 @@ import tokenize
 from pathlib import Path
 
 C_COMMENT = re.compile(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
-CYTHON = re.compile(r'("""|\'\'\').*?\1|#[^\n]*', re.DOTALL)
+CYTHON = re.compile(r'[rRuU]?("""|\'\'\').*?\1|#[^\n]*', re.DOTALL)
 SILENT = {
     tokenize.COMMENT,
     tokenize.NL,

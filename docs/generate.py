@@ -12,9 +12,10 @@ from regframe.peer import agreement, settings
 
 PAGE = Path(__file__).parent / "reference" / "components.md"
 AGREEMENT = Path(__file__).parent / "explanation" / "agreement.md"
-GUIDES = sorted((Path(__file__).parent / "how-to").glob("write-*.md"))
+GUIDES = sorted((Path(__file__).parent / "how-to").glob("*.md"))
 INCLUDED = re.compile(
-    r"(<!-- the file (\S+), by `make docs` -->\n```python\n).*?^(```\n)", re.DOTALL | re.MULTILINE
+    r"(<!-- the file (\S+), by `make docs`(?:, as \S+)? -->\n```python\n).*?^(```\n)",
+    re.DOTALL | re.MULTILINE,
 )
 MADE = "<!-- made from here by `make docs` -->\n"
 

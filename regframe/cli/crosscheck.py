@@ -105,10 +105,16 @@ def _tables(report: "Report") -> None:
     from regframe.cli.tables import table
     from regframe.peer.report import FLOORS
 
+    said: set[str] = set()
     for floor, told in FLOORS.items():
         typer.echo(f"{typer.style(floor, bold=True)} ({told})")
-        lines = [line for line in report.lines if line.floor == floor]
-        table(("compared", "verdict", "what else"), [(line.what, line.told(), line.why) for line in lines])
+        rows = []
+        for line in report.lines:
+            if line.floor == floor:
+                # One missing twin is the reason of several lines.
+                rows.append((line.what, line.told(), "as above" if line.why in said else line.why))
+                said |= {line.why} - {""}
+        table(("compared", "verdict", "what else"), rows)
         typer.echo()
     for note in report.notes:
         typer.echo(f"note: {note}")

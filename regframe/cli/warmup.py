@@ -1,9 +1,12 @@
 """``regframe warmup``: compile every kernel before it is needed."""
 
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from regframe.cli import plugin_files
+from regframe.cli.plugin_files import Plugins
 
 if TYPE_CHECKING:
     from regframe.geometry import Grid
@@ -13,17 +16,24 @@ FLAT, DEEP = (64, 80), (16, 32, 40)
 ITERATIONS = 3
 
 
-def warmup() -> None:
-    """Compile all kernels ahead, so that the first registration runs at full speed."""
+Presets = Annotated[
+    list[str] | None,
+    typer.Argument(metavar="[PRESET]...", help="Compile what these need; else what every shipped one needs."),
+]
+
+
+def warmup(presets: Presets = None, plugin: Plugins = None) -> None:
+    """Compile kernels ahead, so that the first registration runs at full speed."""
     from regframe.engine.run import register
     from regframe.errors import RegframeError
     from regframe.preset import load, shipped
     from regframe.testing.phantoms import smooth_pair
 
+    plugin_files.use(plugin)
+    named = {name: load(name) for name in presets or shipped()}
     began = perf_counter()
     flat, deep = smooth_pair("multimodal", FLAT), smooth_pair("multimodal", DEEP)
-    for name in shipped():
-        preset = load(name)
+    for name, preset in named.items():
         for axes, pair in (("2-D", flat), ("3-D", deep)):
             if not all(_takes(stage, pair.fixed.grid) for stage in preset.stages):
                 continue
@@ -35,21 +45,22 @@ def warmup() -> None:
                 typer.echo(f"{name} {axes}: skipped, {error}", err=True)
                 continue
             typer.echo(f"{name} {axes}: {perf_counter() - start:.2f} s")
-    typer.echo(f"All kernels are compiled and stored; {perf_counter() - began:.1f} s in all.")
+    which = "Their" if presets else "All"
+    typer.echo(f"{which} kernels are compiled and stored; {perf_counter() - began:.1f} s in all.")
 
 
 def _short(preset: "Preset") -> "Preset":
+    """The preset with few iterations, all pixels of the small pair, and splines of few cells."""
     from regframe.preset import load
+    from regframe.transforms.bspline import BSpline
 
-    return load(
-        preset,
-        {
-            f"stages.{i}.levels.{j}.{key}": value
-            for i, stage in enumerate(preset.stages)
-            for j in range(len(stage.levels))
-            for key, value in (("iterations", ITERATIONS), ("shrink", 1))
-        },
-    )
+    values: dict[str, object] = {}
+    for i, stage in enumerate(preset.stages):
+        if isinstance(stage.transform, BSpline):
+            values[f"stages.{i}.transform.mesh"] = [1]
+        for j in range(len(stage.levels)):
+            values |= {f"stages.{i}.levels.{j}.iterations": ITERATIONS, f"stages.{i}.levels.{j}.shrink": 1}
+    return load(preset, values)
 
 
 def _takes(stage: "Stage", grid: "Grid") -> bool:

@@ -30,15 +30,20 @@ def principal_axes(image: Image) -> Matrix:
     ImageError
         The intensities sum to 0.
     """
+    return np.asarray(np.linalg.eigh(spread(image))[1].T)
+
+
+def spread(image: Image) -> Matrix:
+    """The second central moments of an image's intensities, physical, over their sum: (dim, dim)."""
     values, centre = np.asarray(image.values, np.float64), _index_centre(image)
     total, dim = float(values.sum()), image.dim
     places = [np.arange(n) - middle for n, middle in zip(values.shape, centre, strict=True)]
-    spread = np.empty((dim, dim))
+    found = np.empty((dim, dim))
     for a, b in product(range(dim), repeat=2):
-        spread[a, b] = _moment(values, places, (a, b)) / total
+        found[a, b] = _moment(values, places, (a, b)) / total
     # To x first, and from index to physical offsets.
     scaled = image.grid.index_to_point.matrix
-    return np.linalg.eigh(scaled @ spread[::-1, ::-1] @ scaled.T)[1].T
+    return np.asarray(scaled @ found[::-1, ::-1] @ scaled.T)
 
 
 def turn_between(fixed: Image, moving: Image) -> Matrix:
@@ -47,7 +52,7 @@ def turn_between(fixed: Image, moving: Image) -> Matrix:
     An axis has no front end, so there are two such rotations in a plane and four in space; this is the
     one of the smallest angle. ITK's `CenteredVersorTransformInitializer` takes whichever ends its eigenvector
     solver happens to give, and multiplies its two matrices of axes in the wrong order, so that it turns about
-    as far the wrong way; this does not follow it.
+    as far the wrong way; this does not follow it, `itk_turn` does.
     """
     first, second = principal_axes(fixed), principal_axes(moving)
     # Rows are axes: `first` takes fixed points to coordinates along them, `second.T` goes back to points.

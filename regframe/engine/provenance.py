@@ -2,10 +2,19 @@
 
 import os
 import platform
+import sys
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
+from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
+from regframe.catalog import KINDS
+from regframe.component import Component
+from regframe.errors import PresetError
 from regframe.image import Image
 from regframe.io import digest
 from regframe.kernels.jit import threads
@@ -16,22 +25,25 @@ PACKAGES = ("regframe", "numpy", "scipy", "numba", "simpleitk", "pydantic")
 
 def versions() -> dict[str, str]:
     """Versions of Python and of the packages that numbers depend on."""
-    found = {"python": platform.python_version()}
-    for package in PACKAGES:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return found
+    found = {package: _version(package) or "not installed" for package in PACKAGES}
+    return {"python": platform.python_version(), **found}
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
 
 
 def provenance(
     preset: Preset, fixed: Image, moving: Image, *, seconds: float, engine: str = "native"
 ) -> dict[str, Any]:
-    """Versions, machine, seed, inputs with their hashes, and times."""
+    """Versions, plugins, machine, seed, inputs with their hashes, and times."""
     return {
         "engine": engine,
         "versions": versions(),
+        "plugins": plugins(preset),
         "platform": f"{platform.system()} {platform.machine()}",
         "threads": threads(),
         "processors": os.cpu_count(),
@@ -41,6 +53,50 @@ def provenance(
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
         "seconds": round(seconds, 4),
     }
+
+
+def plugins(preset: Preset) -> list[dict[str, str | None]]:
+    """Where each component of a preset comes from that regframe does not ship.
+
+    Returns
+    -------
+    list of dict
+        `kind`, `name`; `origin` as `Registry.origin` tells it, with its `version` if it is a distribution;
+        `sha256` of the file that defines the class. What is not known is None.
+    """
+    found: dict[tuple[str, str], dict[str, str | None]] = {}
+    for component in _components(preset):
+        registry = next(each for each in KINDS.values() if isinstance(component, each.base))
+        cls = type(component)
+        try:
+            name = registry.name_of(cls)
+            origin = registry.origin(name)
+        except PresetError:  # built in a script, and never given a name
+            name, origin = cls.__qualname__, "this session"
+        if origin == "regframe":
+            continue
+        file = getattr(sys.modules.get(cls.__module__), "__file__", None)
+        found[registry.kind, name] = {
+            "kind": registry.kind,
+            "name": name,
+            "origin": origin,
+            "version": _version(origin),
+            "sha256": sha256(Path(file).read_bytes()).hexdigest() if file else None,
+        }
+    return list(found.values())
+
+
+def _components(part: object) -> Iterator[Component]:
+    """Every component in a preset, those inside of others too."""
+    if isinstance(part, Component):
+        yield part
+    inner: Sequence[object] = ()
+    if isinstance(part, BaseModel):
+        inner = [getattr(part, name) for name in type(part).model_fields]
+    elif isinstance(part, list | tuple):
+        inner = part
+    for each in inner:
+        yield from _components(each)
 
 
 def facts(image: Image) -> dict[str, Any]:

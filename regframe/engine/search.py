@@ -21,7 +21,7 @@ from regframe.kernels.jit import share
 from regframe.metrics.base import Pairs
 from regframe.preset import Search, Stage
 from regframe.transforms.linear import about, turn
-from regframe.types import Params, Points, Volume
+from regframe.types import Params, Points, Scores, Volume
 
 EACH = 3
 """Shifts that are kept of each rotation and scale."""
@@ -132,13 +132,13 @@ class _Field:
     def turns(self) -> list[float]:
         """Rotations (radians) that are tried, as far as the family has them."""
         most = np.deg2rad(self.options.rotation_deg)
-        return list(map(float, _lattice(-most, most, self._stride()))) if self._has(turn(0.1)) else [0.0]
+        return list(map(float, _cells(-most, most, self._stride()))) if self._has(turn(0.1)) else [0.0]
 
     def scales(self) -> list[float]:
         """Scales that are tried, as far as the family has them."""
         low, high = np.log(self.options.scale)
         if self._has(1.1 * np.eye(2)):
-            return list(map(float, np.exp(_lattice(low, high, self._stride()))))
+            return list(map(float, np.exp(_cells(low, high, self._stride()))))
         return [1.0 / self.unit] if self.unit != 1.0 else [1.0]
 
     def _stride(self) -> float:
@@ -169,8 +169,8 @@ class _Scale:
             )
         ]
         self.reach = tuple(field.options.shift * length for length in lengths)
-        canvases = [self._canvas_grid(self._centred(angle)).shape for angle in field.turns()]
-        widest = [max(sizes) for sizes in zip(*canvases, strict=True)]
+        self.canvases = {angle: self._canvas_grid(self._centred(angle)) for angle in field.turns()}
+        widest = [max(sizes) for sizes in zip(*(one.shape for one in self.canvases.values()), strict=True)]
         self.shape = lattice(
             max(n, m, (n + m) / 2 + r + 1) for n, m, r in zip(grid.shape, widest, self.reach, strict=True)
         )
@@ -181,11 +181,13 @@ class _Scale:
     def score(self, angle: float) -> list[Place]:
         """The best few shifts at a rotation."""
         field, shape, centred = self.field, self.shape, self._centred(angle)
-        grid = self._canvas_grid(centred)
+        grid = self.canvases[angle]
         values, weight = self._canvas(grid, centred)
         # Translation t lets fixed x meet canvas x + t; the two centres meet at `met`.
         met = np.rint(field.grid.point_to_index(np.array([grid.origin]))[0, ::-1]).astype(int)
         off = [(np.arange(n) + f + n // 2) % n - n // 2 for n, f in zip(shape, met, strict=True)]
+        scored: Scores
+        shared: Scores
         if self.translations is None:
             scored, shared = self._one_by_one(values, weight, off, (int(met[0]), int(met[1])))
         else:
@@ -246,10 +248,10 @@ class _Scale:
         return values, shared
 
 
-def _lattice(low: float, high: float, stride: float) -> NDArray[np.float64]:
-    """Evenly from low to high, no further apart than a stride."""
-    count = int(np.ceil((high - low) / stride - 1e-9)) + 1
-    return np.linspace(low, high, count) if count > 1 else np.array([(low + high) / 2])
+def _cells(low: float, high: float, stride: float) -> NDArray[np.float64]:
+    """Middles of equal parts of a range, none wider than a stride: each place stands for what is near it."""
+    count = max(1, int(np.ceil((high - low) / stride - 1e-9)))
+    return np.asarray(low + (high - low) * (np.arange(count) + 0.5) / count)
 
 
 def _outline(grid: Grid) -> Points:

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from regframe.engine.moments import mass_centre, turn_between
+from regframe.engine.itk_axes import itk_turn
+from regframe.engine.moments import mass_centre, spread, turn_between
 from regframe.engine.setting import Setting
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap, Frame, Grid
@@ -14,7 +15,7 @@ from regframe.transforms.linear import about
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params
 
-BY_MASS = ("moments", "principal-axes")
+BY_MASS = ("moments", "principal-axes", "itk-principal-axes")
 """Starts that take the centre of mass for the centre."""
 
 
@@ -58,6 +59,8 @@ def begin(
         unit = unit * base_scale(stage.start, fixed.grid, moving.grid)
     if stage.start == "principal-axes":
         unit = turn_between(fixed, moving)
+    if stage.start == "itk-principal-axes":
+        unit = itk_turn((fixed, spread(fixed)), (moving, spread(moving)))
     first = about(unit, shift, centre)
     if setting.below is not None:
         first, centre = _behind(setting.below, first, centre)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from regframe.kernels.jit import kernel, share
-from regframe.types import Matrix, Values, Volume
+from regframe.types import Bins, Matrix, Values, Volume
 
 U = np.uint64
 ALONE = 2**16
@@ -33,8 +33,8 @@ def gaussian_taps(sigma: float) -> Values:
     return np.asarray(half / (half[0] + 2.0 * half[1:].sum()))
 
 
-def blur(stack: Volume, taps: Values, axes: int) -> Volume:
-    """Each image of a stack, filtered along its last `axes` axes.
+def blur(stack: Volume, taps: Values, axes: int, out: Volume | None = None) -> Volume:
+    """Each image of a stack, filtered along its last `axes` axes, 2 or 3.
 
     Parameters
     ----------
@@ -42,20 +42,20 @@ def blur(stack: Volume, taps: Values, axes: int) -> Volume:
     taps : (r + 1,) float64
         Half of the filter, the centre first.
     axes : int
+    out : (..., ny, nx) float64, optional
+        Memory for the result, which is returned.
     """
-    source, spare = np.array(stack, np.float64, order="C"), np.empty(stack.shape)
-    width = stack.shape[-1]
+    height, width = stack.shape[-2:]
+    source = np.ascontiguousarray(stack, np.float64)
+    out = np.empty(stack.shape) if out is None else out
     rows = stack.size // width
-    for axis in range(stack.ndim - axes, stack.ndim):
-        flat = (source.reshape(rows, width), taps, spare.reshape(rows, width))
-        if axis == stack.ndim - 1:
-            split(_along_rows, rows, width, *flat)
-        else:
-            step = int(np.prod(stack.shape[axis + 1 : -1], dtype=np.int64))
-            split(_across_rows, rows, width, *flat, step, stack.shape[axis])
-        # Two blocks of memory in turns: fresh pages cost as much as the sums.
-        source, spare = spare, source
-    return source
+    split(_in_planes, rows, width, source.reshape(rows, width), taps, out.reshape(rows, width), height)
+    if axes == 2:
+        return out
+    inner = out.copy()
+    given = (inner.reshape(rows, width), taps, out.reshape(rows, width), height, stack.shape[-3])
+    split(_across_rows, rows, width, *given)
+    return out
 
 
 def split(function: Callable[..., object], rows: int, width: int, *arguments: object) -> None:
@@ -67,31 +67,80 @@ def split(function: Callable[..., object], rows: int, width: int, *arguments: ob
 
 
 @kernel
-def _along_rows(first: int, last: int, source: Matrix, taps: Values, out: Matrix) -> None:
-    width, reach = source.shape[1], max(len(taps) - 1, SHORT)
-    t = np.zeros(reach + 1)
+def _along(here: Values, t: Values, padded: Values, line: Values) -> None:
+    """One row, filtered; `padded` is zero at both ends."""
+    width, reach = len(line), len(t) - 1
+    for x in range(U(width)):
+        padded[x + U(reach)] = here[x]
+    if reach == SHORT:
+        # One pass in place of four: most of the time goes by here.
+        t0, t1, t2, t3 = t[0], t[1], t[2], t[3]
+        for x in range(U(width)):
+            line[x] = (
+                t0 * padded[x + U(3)]
+                + t1 * (padded[x + U(2)] + padded[x + U(4)])
+                + t2 * (padded[x + U(1)] + padded[x + U(5)])
+                + t3 * (padded[x] + padded[x + U(6)])
+            )
+        return
+    for x in range(U(width)):
+        line[x] = t[0] * padded[x + U(reach)]
+    for k in range(1, reach + 1):
+        tap, left, right = t[k], U(reach - k), U(reach + k)
+        for x in range(U(width)):
+            line[x] += tap * (padded[x + left] + padded[x + right])
+
+
+@kernel
+def _combine(lines: Matrix, t: Values, at: Bins, line: Values) -> None:
+    """Weighted sum of the rows of `lines` that `at` names, the middle one first, then pairs."""
+    width, here = len(line), lines[at[0]]
+    if len(t) - 1 == SHORT:
+        t0, t1, t2, t3 = t[0], t[1], t[2], t[3]
+        a1, b1, a2, b2, a3, b3 = (
+            lines[at[1]],
+            lines[at[2]],
+            lines[at[3]],
+            lines[at[4]],
+            lines[at[5]],
+            lines[at[6]],
+        )
+        for x in range(U(width)):
+            line[x] = t0 * here[x] + t1 * (a1[x] + b1[x]) + t2 * (a2[x] + b2[x]) + t3 * (a3[x] + b3[x])
+        return
+    for x in range(U(width)):
+        line[x] = t[0] * here[x]
+    for k in range(1, len(t)):
+        tap, above, below = t[k], lines[at[2 * k - 1]], lines[at[2 * k]]
+        for x in range(U(width)):
+            line[x] += tap * (above[x] + below[x])
+
+
+@kernel
+def _whole(taps: Values) -> Values:
+    """The taps, with zeros where there are few."""
+    t = np.zeros(max(len(taps) - 1, SHORT) + 1)
     t[: len(taps)] = taps
-    padded = np.zeros(width + 2 * reach)
+    return t
+
+
+@kernel
+def _in_planes(first: int, last: int, source: Matrix, taps: Values, out: Matrix, height: int) -> None:
+    """Filter along rows, and across them; `height` of them are a plane. Filtered rows wait in a ring."""
+    t = _whole(taps)
+    width, reach = source.shape[1], len(t) - 1
+    count = 2 * reach + 1
+    lines, padded, at = np.zeros((count + 1, width)), np.zeros(width + 2 * reach), np.empty(count, np.int64)
     for row in range(first, last):
-        here, line = source[row], out[row]
-        for x in range(U(width)):
-            padded[x + U(reach)] = here[x]
-        if reach == SHORT:
-            # One pass in place of four: most of the time goes by here.
-            for x in range(U(width)):
-                line[x] = (
-                    t[0] * padded[x + U(3)]
-                    + t[1] * (padded[x + U(2)] + padded[x + U(4)])
-                    + t[2] * (padded[x + U(1)] + padded[x + U(5)])
-                    + t[3] * (padded[x] + padded[x + U(6)])
-                )
-            continue
-        for x in range(U(width)):
-            line[x] = t[0] * padded[x + U(reach)]
+        y = row % height
+        fresh = y - reach if row == first or y == 0 else y + reach
+        for one in range(max(fresh, 0), min(y + reach, height - 1) + 1):
+            _along(source[row - y + one], t, padded, lines[one % count])
+        at[0] = y % count
         for k in range(1, reach + 1):
-            tap, left, right = t[k], U(reach - k), U(reach + k)
-            for x in range(U(width)):
-                line[x] += tap * (padded[x + left] + padded[x + right])
+            at[2 * k - 1] = (y - k) % count if y >= k else count
+            at[2 * k] = (y + k) % count if y + k < height else count
+        _combine(lines, t, at, out[row])
 
 
 @kernel
@@ -99,29 +148,15 @@ def _across_rows(
     first: int, last: int, source: Matrix, taps: Values, out: Matrix, step: int, length: int
 ) -> None:
     """Rows `step` apart are neighbours, `length` of them in a line."""
-    width, reach = source.shape[1], max(len(taps) - 1, SHORT)
-    t = np.zeros(reach + 1)
-    t[: len(taps)] = taps
-    zeros = np.zeros(width)
+    t = _whole(taps)
+    reach, zeros = len(t) - 1, np.zeros(source.shape[1])
     for row in range(first, last):
-        at, line, here = (row // step) % length, out[row], source[row]
-        if reach == SHORT:
-            a1 = source[row - step] if at >= 1 else zeros
-            b1 = source[row + step] if at + 1 < length else zeros
-            a2 = source[row - 2 * step] if at >= 2 else zeros
-            b2 = source[row + 2 * step] if at + 2 < length else zeros
-            a3 = source[row - 3 * step] if at >= 3 else zeros
-            b3 = source[row + 3 * step] if at + 3 < length else zeros
-            for x in range(U(width)):
-                line[x] = (
-                    t[0] * here[x] + t[1] * (a1[x] + b1[x]) + t[2] * (a2[x] + b2[x]) + t[3] * (a3[x] + b3[x])
-                )
-            continue
-        for x in range(U(width)):
+        place, line, here = (row // step) % length, out[row], source[row]
+        for x in range(U(len(line))):
             line[x] = t[0] * here[x]
-        for k in range(1, len(taps)):
+        for k in range(1, reach + 1):
             tap = t[k]
-            above = source[row - k * step] if at - k >= 0 else zeros
-            below = source[row + k * step] if at + k < length else zeros
-            for x in range(U(width)):
+            above = source[row - k * step] if place - k >= 0 else zeros
+            below = source[row + k * step] if place + k < length else zeros
+            for x in range(U(len(line))):
                 line[x] += tap * (above[x] + below[x])

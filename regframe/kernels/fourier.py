@@ -9,12 +9,18 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from regframe.kernels.jit import kernel
+from regframe.types import Scores, Volume
+
 Spectrum = NDArray[np.complex64]
-Stack = NDArray[np.float64] | NDArray[np.float32]
+
+
+BLOCK = 4
+"""Translations from one to the next where what varies slowly is summed."""
 
 
 def lattice(lengths: Iterable[float]) -> tuple[int, ...]:
-    """The next lengths that transforms are quick for.
+    """The next lengths that transforms are quick for, multiples of `BLOCK`.
 
     Examples
     --------
@@ -23,10 +29,53 @@ def lattice(lengths: Iterable[float]) -> tuple[int, ...]:
     """
     from scipy.fft import next_fast_len
 
-    return tuple(int(next_fast_len(int(np.ceil(length)), real=True)) for length in lengths)
+    return tuple(BLOCK * int(next_fast_len(int(np.ceil(length / BLOCK)), real=True)) for length in lengths)
 
 
-def spectra(stack: Stack, shape: Sequence[int]) -> Spectrum:
+def shortened(planes: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Means over blocks of `BLOCK` points along y and x, zeros beyond the border."""
+    *before, ny, nx = planes.shape
+    out = np.zeros((*before, -(-ny // BLOCK), -(-nx // BLOCK)), np.float32)
+    _shorten(planes.reshape(-1, ny, nx), BLOCK, out.reshape(-1, *out.shape[-2:]))
+    return out
+
+
+def lengthened(planes: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Between every `BLOCK`-th translation along y and x, linearly; the lattice goes round."""
+    *before, ny, nx = planes.shape
+    out = np.empty((*before, BLOCK * ny, BLOCK * nx), np.float32)
+    _lengthen(planes.reshape(-1, ny, nx), BLOCK, out.reshape(-1, *out.shape[-2:]))
+    return out
+
+
+@kernel
+def _shorten(planes: Volume, block: int, out: Volume) -> None:
+    count, ny, nx = planes.shape
+    for p in range(count):
+        for y in range(ny):
+            line, here = planes[p, y], out[p, y // block]
+            for x in range(nx):
+                here[x // block] += line[x]
+    out /= np.float32(block * block)
+
+
+@kernel
+def _lengthen(planes: Volume, block: int, out: Volume) -> None:
+    count, ny, nx = planes.shape
+    line = np.empty(nx + 1, planes.dtype)
+    for p in range(count):
+        for y in range(block * ny):
+            above, below, t = planes[p, y // block], planes[p, (y // block + 1) % ny], (y % block) / block
+            for x in range(nx):
+                line[x] = above[x] + t * (below[x] - above[x])
+            line[nx] = line[0]
+            for x in range(nx):
+                step = (line[x + 1] - line[x]) / block
+                for k in range(block):
+                    out[p, y, block * x + k] = line[x] + k * step
+
+
+def spectra(stack: Scores, shape: Sequence[int]) -> Spectrum:
     """Spectrum of each image of a stack, zeros added up to `shape`.
 
     Parameters
@@ -35,10 +84,13 @@ def spectra(stack: Stack, shape: Sequence[int]) -> Spectrum:
     shape : tuple of int
         Of the lattice of translations, at least the image's along each axis.
     """
-    from scipy.fft import rfftn
+    from scipy.fft import fft, rfft
 
-    axes = tuple(range(-len(shape), 0))
-    found: Spectrum = rfftn(np.asarray(stack, np.float32), tuple(shape), axes=axes, workers=1)
+    found: Spectrum = rfft(np.asarray(stack, np.float32), shape[-1], workers=1)
+    # Axis by axis: rows that are zeros alone are spared along the first.
+    for axis in range(2, len(shape) + 1):
+        if shape[-axis] > 1:
+            found = fft(found, shape[-axis], axis=-axis, overwrite_x=True, workers=1)
     return found
 
 

@@ -8,9 +8,9 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from regframe.component import Component
-from regframe.types import Points, Values, Volume
+from regframe.types import Points, Scores, Values, Volume
 
-Translations = Callable[[Volume, Volume], tuple[Volume, Volume]]
+Translations = Callable[[Volume, Volume], tuple[Scores, Scores]]
 """From moving intensities and weights to the value and the shared weight at every whole translation."""
 
 

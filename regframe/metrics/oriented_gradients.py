@@ -8,9 +8,11 @@ from pydantic import Field
 
 from regframe.kernels import channel_correlation, fourier, orientation
 from regframe.kernels.channel_correlation import Moments
+from regframe.kernels.fourier import BLOCK, Spectrum
 from regframe.kernels.orientation import Features, Settings
+from regframe.kernels.scratch import New, fresh, scratch
 from regframe.metrics.base import Metric, Pairs, Translations
-from regframe.types import Values, Volume
+from regframe.types import Scores, Values, Volume
 
 
 @final
@@ -78,29 +80,27 @@ class OrientedGradients(Metric):
         """Correlations at all translations: channels about their means over the whole image, by FFT."""
         shape = pairs.shape or pairs.weight.shape
         planes = (1,) * (3 - len(shape)) + tuple(lattice)
-        made = self._features(pairs.fixed, pairs, pairs.fixed_range)
-        fixed = fourier.spectra(_stack(made, pairs.weight.reshape(made.trust.shape)), planes)
+        few = (*planes[:-2], planes[-2] // BLOCK, planes[-1] // BLOCK)
+        made = self._features(pairs.fixed, pairs, pairs.fixed_range, scratch)
+        fixed, below = _transformed(made, pairs.weight.reshape(made.trust.shape), planes, few)
         settings = self._settings(pairs.moving_range)
 
-        def score(moving: Volume, weight: Volume) -> tuple[Volume, Volume]:
+        def score(moving: Volume, weight: Volume) -> tuple[Scores, Scores]:
             volume = (1,) * (3 - moving.ndim) + moving.shape
-            there = orientation.features(moving.reshape(volume), weight.reshape(volume), settings)
-            above = fourier.spectra(_stack(there, weight.reshape(volume)), planes)
-            pairs_of = (
-                (slice(2, None), slice(2, None)),
-                (slice(1, 2), slice(0, 1)),
-                (slice(0, 1), slice(1, 2)),
-            )
-            both, below_power, above_power = (
-                fourier.correlate(fixed[one], above[other], planes) for one, other in pairs_of
-            )
-            shared = fourier.correlate(fixed[:1], above[:1], planes)
-            powers = np.maximum(below_power, 0.0) * np.maximum(above_power, 0.0)
-            floor = FAINT * float(powers.max()) + TINY
-            values = -both / np.sqrt(np.maximum(powers, floor))
-            return np.asarray(values.reshape(lattice), np.float64), np.asarray(
-                shared.reshape(lattice), np.float64
-            )
+            there_weight = weight.reshape(volume)
+            there = orientation.features(moving.reshape(volume), there_weight, settings, scratch)
+            channels, above = _transformed(there, there_weight, planes, few)
+            both = fourier.correlate(fixed, channels, planes)
+            # Mass and power vary slowly with the translation; power stands behind mass.
+            sums = [
+                fourier.correlate(below[i, None], above[j, None], few) for i, j in ((0, 0), (0, 1), (1, 0))
+            ]
+            shared, *powers = (BLOCK * BLOCK * np.maximum(one, 0.0) for one in sums)
+            power = powers[0] * powers[1]
+            floor = FAINT * float(power.max()) + TINY
+            per = fourier.lengthened(1.0 / np.sqrt(np.maximum(power, floor)))
+            values = np.asarray(-both * per, np.float32).reshape(lattice)
+            return values, fourier.lengthened(shared).reshape(lattice)
 
         return score
 
@@ -108,12 +108,14 @@ class OrientedGradients(Metric):
         fixed = pairs.prepared
         if not isinstance(fixed, Features):
             fixed = self._features(pairs.fixed, pairs, pairs.fixed_range)
-        moving = self._features(pairs.moving, pairs, pairs.moving_range)
+        moving = self._features(pairs.moving, pairs, pairs.moving_range, scratch)
         return fixed, moving, pairs.weight.reshape(moving.trust.shape)
 
-    def _features(self, values: Values, pairs: Pairs, span: tuple[float, float]) -> Features:
-        shape = _planes(pairs)
-        return orientation.features(values.reshape(shape), pairs.weight.reshape(shape), self._settings(span))
+    def _features(
+        self, values: Values, pairs: Pairs, span: tuple[float, float], new: New = fresh
+    ) -> Features:
+        shape, settings = _planes(pairs), self._settings(span)
+        return orientation.features(values.reshape(shape), pairs.weight.reshape(shape), settings, new)
 
     def _settings(self, span: tuple[float, float]) -> Settings:
         flat = FLAT * (span[1] - span[0]) + ROUNDING * max(abs(span[0]), abs(span[1])) + TINY
@@ -121,8 +123,8 @@ class OrientedGradients(Metric):
 
 
 TINY = 1e-20
-FAINT = 1e-4
-"""Of the largest power of two overlapping images: less is rounding noise of single precision."""
+FAINT = 1e-2
+"""Of the largest product of two overlapping images' powers: less is a corner that coarse sums miss."""
 FLAT = 1e-4
 """Of the range: gradients below this have no direction."""
 ROUNDING = 1e-9
@@ -144,13 +146,9 @@ def _planes(pairs: Pairs) -> tuple[int, ...]:
     return (1,) * (3 - len(shape)) + tuple(shape)
 
 
-def _stack(made: Features, weight: Volume) -> Volume:
-    """Weight, power and channels about their means, all times weight: what is correlated by FFT."""
-    mass = weight * made.trust
-    units = _centred(made.units, mass, max(float(mass.sum()), TINY))
-    return np.concatenate([mass[None], (mass * np.sum(units * units, axis=0))[None], mass * units])
-
-
-def _centred(units: Volume, weight: Volume, mass: float) -> Volume:
-    means = np.sum(weight * units, axis=(1, 2, 3), keepdims=True) / mass
-    return np.asarray(units - means)
+def _transformed(
+    made: Features, weight: Volume, planes: tuple[int, ...], few: tuple[int, ...]
+) -> tuple[Spectrum, Spectrum]:
+    """Spectra of the channels, and coarse ones of mass and power."""
+    found = channel_correlation.planes(made, weight)
+    return fourier.spectra(found[2:], planes), fourier.spectra(fourier.shortened(found[:2]), few)

@@ -19,13 +19,20 @@ from regframe.optimizers.regular_step_gradient_descent import RegularStepGradien
 from regframe.peer import convert, twins
 from regframe.peer.twins import Terms
 from regframe.preset import Level, Stage
+from regframe.transforms.base import Transform
 from regframe.transforms.bspline import BSpline
+from regframe.transforms.displacement_field import DisplacementField
 from regframe.transforms.warp import Warp
 
 if TYPE_CHECKING:
     import SimpleITK as sitk
 
     from regframe.peer.twins import Method
+
+SUMMED = (
+    "SimpleITK's slopes of this metric by a field are not divided by the samples, and the size of a slope "
+    "matters here"
+)
 
 
 @dataclass(frozen=True)
@@ -87,18 +94,20 @@ def _of_points(terms: Terms, dim: int) -> Terms:
             "or use the native engine."
         )
         raise NoTwin(message)
-    smooths = twins.adding(stage.transform) != stage.transform
-    if twins.summed(stage.metric) and (smooths or not _sizeless(optimizer)):
-        notes = (*notes, "SimpleITK's slopes of this metric by a field are not divided by the samples")
+    if twins.summed(stage.metric) and not _sizeless(optimizer, stage.transform):
+        notes = (*notes, SUMMED)
         alike = False
     if numbers:
         stage = stage.model_copy(update={"scales": numbers[:dim]})
     return replace(terms, stage=stage, notes=notes, alike=alike, weights=terms.weights[:dim])
 
 
-def _sizeless(optimizer: Optimizer) -> bool:
-    """Whether a descent's steps do not depend on the size of slopes."""
-    return isinstance(optimizer, GradientDescent) and optimizer.estimate_learning_rate == "each-iteration"
+def _sizeless(optimizer: Optimizer, family: Transform) -> bool:
+    """Whether a descent's steps do not depend on the size of slopes, as ITK estimates their rates."""
+    # What smoothing the whole field moves is measured along with a step, however short that is.
+    elastic = isinstance(family, DisplacementField) and family.total_variance > 0
+    even = isinstance(optimizer, GradientDescent) and optimizer.estimate_learning_rate == "each-iteration"
+    return even and not elastic
 
 
 def _weighed(terms: Terms, space: Coordinates) -> Terms:
@@ -234,13 +243,20 @@ def seeds_used(level: Level) -> int:
 
 
 @contextmanager
-def quiet() -> Generator[None, None, None]:
-    """Keep ITK's warnings off the terminal; what they warn of shows in values and counts."""
+def steady() -> Generator[None, None, None]:
+    """Keep ITK's warnings off the terminal, and its metrics to our number of threads.
+
+    What it warns of shows in values and counts. A method's own number of threads does not reach its metric,
+    whose sums depend on it in their last bits.
+    """
     import SimpleITK as sitk
 
-    shown = sitk.ProcessObject.GetGlobalWarningDisplay()
-    sitk.ProcessObject.SetGlobalWarningDisplay(False)
+    process = sitk.ProcessObject
+    shown, count = process.GetGlobalWarningDisplay(), process.GetGlobalDefaultNumberOfThreads()
+    process.SetGlobalWarningDisplay(False)
+    process.SetGlobalDefaultNumberOfThreads(threads())
     try:
         yield
     finally:
-        sitk.ProcessObject.SetGlobalWarningDisplay(shown)
+        process.SetGlobalWarningDisplay(shown)
+        process.SetGlobalDefaultNumberOfThreads(count)

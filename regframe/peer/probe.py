@@ -11,7 +11,7 @@ from regframe.interpolators.base import Samples
 from regframe.io.convert import array_to_sitk
 from regframe.peer import convert, twins
 from regframe.peer.faults import translated
-from regframe.peer.method import Part, put, quiet, told
+from regframe.peer.method import Part, put, steady, told
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params, Points, Values
 
@@ -72,7 +72,7 @@ def value(part: Part, fixed: Image, moving: Image, warp: Warp) -> float:
     method.SetVirtualDomain(list(reversed(grid.shape)), grid.origin, grid.spacing, direction)
     put(method, part, warp)
     try:
-        with quiet():
+        with steady():
             found = float(method.MetricEvaluate(*map(convert.image, (fixed, moving))))
     except RuntimeError as error:
         raise translated(error) from None
@@ -205,7 +205,7 @@ def _levelled(part: Part, pair: tuple[Image, Image], warp: Warp) -> tuple[Part, 
 
 def _execute(method: "Method", pair: tuple[Image, Image]) -> None:
     try:
-        with quiet():
+        with steady():
             method.Execute(*map(convert.image, pair))
     except RuntimeError as error:
         raise translated(error) from None

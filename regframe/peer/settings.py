@@ -35,19 +35,35 @@ ESTIMATED = {**DESCENT, "estimate_learning_rate": "once", "maximum_step": 1.0}
 PLAIN = {"type": "gradient-descent", "keep": "last", "maximum_step": 1.0}
 SLOPES = {"optimizer": DESCENT, "gradient": "filtered", "scales": [400.0, 400.0, 1.0, 1.0]}
 DRAWN = {"shrink": 1, "smooth": 0.0, "iterations": 30, "fraction": 0.4}
+RESET = {**PLAIN, "estimate_learning_rate": "each-iteration", "maximum_step": 0.5}
+LEVELS: list[dict[str, Any]] = [{"shrink": 2, "smooth": 1.0, "iterations": 4}, {"iterations": 4}]
+STEPPED = {
+    "start": "identity",
+    "transform": "affine",
+    "optimizer": RESET,
+    "scales": "physical-shift",
+    "gradient": "filtered",
+    "levels": LEVELS,
+}
+FIELD = {"type": "displacement-field", "update_variance": 1.75, "total_variance": 0.5}
+MESH = {"type": "bspline", "mesh": [1]}
+INNER = 300
+"""Points within the image at which maps are compared, beside its corners."""
 SHAPES: tuple[tuple[int, ...], ...] = ((40, 48), (14, 16, 18))
+ITK_AXES = "itk-principal-axes"
 TURNED = 0.4
 """Radians by which the oblique grids are turned."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """One setting: what it is called on both sides, and the run that shows it."""
+    """One setting: what it is called on both sides, and the run that shows it, of a stage or of several."""
 
     name: str
     twin: str
     relation: str
     changes: Mapping[str, Any] = field(default_factory=dict)
+    stages: tuple[Mapping[str, Any], ...] = ({},)
     prepared: Callable[[Pair], Pair] = lambda pair: pair
     placed: Callable[[Pair], Placement | None] = lambda _: None
 
@@ -64,14 +80,18 @@ def _row(case: Case) -> Row:
 
 def _apart(case: Case, shape: tuple[int, ...]) -> float:
     pair = case.prepared(waves(shape))
-    runs = whole.run(Preset(stages=(_stage(case, len(shape)),)), *pair, place=case.placed(pair))
+    stages = tuple(_stage({**case.changes, **changes}, len(shape)) for changes in case.stages)
+    runs = whole.run(Preset(stages=stages), *pair, place=case.placed(pair))
     if runs.simpleitk is None or not runs.alike:
         message = f"the setting {case.name!r} no longer compares: {runs.refusal or 'other walks'}"
         raise RegframeError(message)
-    return whole.apart(runs.native.warp, runs.simpleitk.warp)
+    grid = pair[0].grid
+    inner = np.random.default_rng(5).random((INNER, grid.dim)) * (np.array(grid.shape) - 1.0)
+    points = np.concatenate([grid.corners(), grid.points(inner)])  # a map that bends may keep the corners
+    return float(np.abs(runs.native.warp(points) - runs.simpleitk.warp(points)).max())
 
 
-def _stage(case: Case, dim: int) -> Stage:
+def _stage(changes: Mapping[str, Any], dim: int) -> Stage:
     parts: dict[str, Any] = {
         "transform": "similarity" if dim == 2 else "rigid",
         "interpolator": "linear",
@@ -79,7 +99,7 @@ def _stage(case: Case, dim: int) -> Stage:
         "optimizer": "one-plus-one",
         "levels": [{"shrink": 2, "smooth": 1.0, "iterations": 6}],
     }
-    parts |= case.changes
+    parts |= changes
     if dim == 3:
         # Lists are written for a plane's four parameters: two that turn, then the shift.
         for name in ("scales", "weights"):
@@ -159,7 +179,7 @@ CASES = (
         "`SetSmoothingSigmasAreSpecifiedInPhysicalUnits`",
         "The same; ask for it, as physical units are the default of both.",
         {"smooth_unit": "voxels"},
-        _oblique,
+        prepared=_oblique,
     ),
     Case(
         "scales as a list",
@@ -227,6 +247,32 @@ CASES = (
     Case("fixed_initial", "`SetFixedInitialTransform`", "The same; here it must be affine.", placed=_below),
     Case("domain", "`SetVirtualDomain`", "The same grid of samples.", placed=_domain),
     Case(
+        "compose",
+        "`SetMovingInitialTransform`",
+        "The map found before is told as the moving-initial one.",
+        STEPPED,
+        ({"transform": "translation"}, {"start": "compose"}),
+    ),
+    Case(
+        "update_variance",
+        "`SetSmoothingGaussianOnUpdate`",
+        "The same, of `displacement-field`; smoothing by B-splines is not offered.",
+        {**STEPPED, "transform": {**FIELD, "total_variance": 0.0}},
+    ),
+    Case(
+        "total_variance",
+        "`SetSmoothingGaussianOnUpdate`",
+        "The same; estimated rates count the smoothing as ITK's do, where scales are ITK's.",
+        {**STEPPED, "transform": FIELD, "metric": "mattes"},
+    ),
+    Case(
+        "refine",
+        "`SetInitialTransformAsBSpline`",
+        "The same; ITK reads splines of order 2 as if they were of order 3 when it lays the lattice anew, "
+        "and so does this.",
+        {**STEPPED, "transform": MESH, "levels": [{**LEVELS[0], "refine": 1}, {**LEVELS[1], "refine": 2}]},
+    ),
+    Case(
         "oblique grids",
         "`Image.SetDirection`",
         "The same places to the last bits of a direction's inverse.",
@@ -259,29 +305,31 @@ def _starts() -> list[Row]:
         found.append(
             Row(f'start = "{start}"', twin, "corners, 2-D and 3-D", largest(apart), "px", "The same.")
         )
-    return [*found, _axes()]
+    return [*found, *_axes()]
 
 
-def _axes() -> Row:
-    """Principal axes: what is the same is where the centre of mass goes."""
+def _axes() -> list[Row]:
+    """Principal axes: ITK's turn as it is, and of ours where the centre of mass goes."""
     import SimpleITK as sitk
 
     below, above = pair = _oblique(waves(SHAPES[1]))
-    ours = _begun("principal-axes", "versor-rigid", below, above)
     theirs = sitk.CenteredVersorTransformInitializer(
         *map(convert.image, pair),
         sitk.VersorRigid3DTransform(),
         True,  # type: ignore[call-arg]  # its stub knows two arguments
     )
-    centre = np.atleast_2d(ours.frame.centre)
-    return Row(
-        'start = "principal-axes"',
-        "`CenteredVersorTransformInitializer`",
-        "the centre of mass, 3-D",
-        float(np.abs(ours(centre) - _mapped(theirs, centre)).max()),
-        "px",
-        "The same axes; ITK turns the wrong way about them, regframe the right way by the smallest turn.",
-    )
+    ours = {name: _begun(name, "versor-rigid", below, above) for name in ("principal-axes", ITK_AXES)}
+    centre, corners = np.atleast_2d(ours["principal-axes"].frame.centre), below.grid.corners()
+    apart = [
+        float(np.abs(ours[name](points) - _mapped(theirs, points)).max())
+        for name, points in (("principal-axes", centre), (ITK_AXES, corners))
+    ]
+    twin = "`CenteredVersorTransformInitializer`"
+    turns = "The same axes; ITK turns the wrong way about them, regframe the right way by the smallest turn."
+    return [
+        Row('start = "principal-axes"', twin, "the centre of mass, 3-D", apart[0], "px", turns),
+        Row(f'start = "{ITK_AXES}"', twin, "corners, 3-D", apart[1], "px", "The same turn, to repeat ITK's."),
+    ]
 
 
 def _begun(start: Any, transform: Any, below: Image, above: Image) -> Warp:

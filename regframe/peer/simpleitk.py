@@ -19,7 +19,7 @@ from regframe.image import Image
 from regframe.peer import convert, probe
 from regframe.peer.faults import translated
 from regframe.peer.lockstep import Teller, lockstep
-from regframe.peer.method import Part, in_its_terms, parts, put, quiet, seeds_used, tell_optimizer, told
+from regframe.peer.method import Part, in_its_terms, parts, put, seeds_used, steady, tell_optimizer, told
 from regframe.peer.twins import Terms
 from regframe.preset import Preset, Stage
 from regframe.transforms.warp import Chain, Warp
@@ -213,7 +213,7 @@ def _execute(spoken: Terms, part: Part, pair: tuple[Image, Image], warp: Warp, t
 
     method.AddCommand(sitk.sitkIterationEvent, iteration)
     method.AddCommand(sitk.sitkMultiResolutionIterationEvent, level_end)
-    with quiet():
+    with steady():
         method.Execute(*map(convert.image, pair))
     stop = method.GetOptimizerStopConditionDescription() or NO_REASON
     tell(_Seen(len(part.levels) - 1, method.GetMetricValue(), np.array(moved.GetParameters()), 0.0, stop))

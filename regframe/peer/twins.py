@@ -16,13 +16,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from regframe.catalog import KINDS
 from regframe.component import Component
-from regframe.errors import NoTwin
+from regframe.errors import NoTwin, PresetError
 from regframe.geometry import Frame
 from regframe.interpolators.base import Interpolator
 from regframe.metrics.base import Metric, Pairs
 from regframe.optimizers.base import Optimizer
 from regframe.preset import Stage
+from regframe.registry import AnyRegistry
 from regframe.transforms.base import Transform
 from regframe.transforms.warp import Warp
 from regframe.types import Mask, Params
@@ -202,11 +204,18 @@ def step(warp: Warp, after: Params) -> Params:
 
 
 def _missing(table: Mapping[Any, object], ours: Component) -> NoTwin:
-    kinds = {Metric: "metric", Interpolator: "interpolator", Transform: "transform", Optimizer: "optimizer"}
-    kind = next(name for base, name in kinds.items() if isinstance(ours, base))
-    known = ", ".join(sorted(cls.__name__ for cls in table if cls not in {*kinds, object}))
-    name = type(ours).__name__
+    registry = next(each for each in KINDS.values() if isinstance(ours, each.base))
+    known = ", ".join(sorted(_called(registry, cls) for cls in table if cls not in {registry.base, object}))
+    kind, cls, name = registry.kind, type(ours), _called(registry, type(ours))
     return NoTwin(
         f"SimpleITK has no twin of the {kind} {name}. Those with one: {known}. Choose one of them, use the "
-        f"native engine, or register a twin: @regframe.peer.twins.{kind}.register({name})."
+        f"native engine, or register a twin: @regframe.peer.twins.{kind}.register({cls.__name__})."
     )
+
+
+def _called(registry: AnyRegistry, cls: type[Component]) -> str:
+    """The name in a preset; of a class that has none, its own."""
+    try:
+        return registry.name_of(cls)
+    except PresetError:
+        return cls.__name__

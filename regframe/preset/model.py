@@ -23,6 +23,7 @@ STARTS = (
     "identity",
     "moments",
     "principal-axes",
+    "itk-principal-axes",
     "fields-of-view",
     "previous",
     "compose",
@@ -66,7 +67,16 @@ def _check_start(met: object) -> object:
 
 
 Start = Annotated[
-    Literal["centres", "identity", "moments", "principal-axes", "fields-of-view", "previous", "compose"]
+    Literal[
+        "centres",
+        "identity",
+        "moments",
+        "principal-axes",
+        "itk-principal-axes",
+        "fields-of-view",
+        "previous",
+        "compose",
+    ]
     | Search,
     BeforeValidator(_check_start),
 ]
@@ -143,9 +153,10 @@ class Stage(Record):
         "centres",
         description=(
             "Where the search begins: image centres on each other, no motion, centres of mass, these and the "
-            "axes of the intensities' spread (the smallest turn that lays one on the other), equal fields "
-            "of view (frames brought together by the ratio of their widths), the stage before, or a search "
-            "over rotations, scales and shifts (`search`, or a table of its options); stages after the first "
+            "axes of the intensities' spread (the smallest turn that lays one on the other; or ITK's turn, "
+            "which does not, to repeat its results), equal fields of view (frames brought together by the "
+            "ratio of their widths), the stage before, or a search over rotations, scales and shifts "
+            "(`search`, or a table of its options); stages after the first "
             "continue with `previous` unless told otherwise. `compose` keeps the map found so far as it is, "
             "and looks for another one that is applied before it, from no motion."
         ),

@@ -5,7 +5,6 @@ are for two idle cores; a test fails at half a target (twice a time), because ma
 """
 
 import os
-import shutil
 import statistics
 import subprocess
 import sys
@@ -19,7 +18,9 @@ from regframe.testing.phantoms import visual_thermal
 
 pytestmark = pytest.mark.slow
 
-ROUNDS = 3
+ROUNDS = 2
+TARGETS: dict[tuple[str, ...], float] = {("--no-figures",): 5.0, (): 3.5}
+"""How many times faster, with these options."""
 SCRIPT = Path(__file__).with_name("peer_script.py")
 
 
@@ -51,21 +52,19 @@ def told(capsys, text: str) -> None:
         print(f"\n{text}")
 
 
-@pytest.mark.parametrize(
-    ("options", "target"), [(["--no-figures"], 5.0), ([], 3.5)], ids=["bare", "pictures"]
-)
-def test_command_is_faster_than_a_script_by(options, target, frames, tmp_path, capsys):
+def test_command_is_faster_than_a_script_by(frames, tmp_path, capsys):
     peer = [sys.executable, str(SCRIPT), *map(str, frames), str(tmp_path)]
-    command = ours(frames, tmp_path / "out", *options)
-    seconds(command)
+    commands = {words: ours(frames, tmp_path / "out", *words) for words in TARGETS}
+    seconds(commands[()])
 
-    rounds = [(seconds(peer), seconds(command)) for _ in range(ROUNDS)]
+    rounds = [(seconds(peer), *map(seconds, commands.values())) for _ in range(ROUNDS)]
 
-    theirs, mine = (statistics.median(column) for column in zip(*rounds, strict=True))
-    ratio = statistics.median(a / b for a, b in rounds)
-    times = f"{theirs:.2f} s / {mine:.2f} s = {ratio:.1f}x"
-    told(capsys, f"paper-similarity {' '.join(options)}: {times}, target {target}x")
-    assert ratio >= target / 2
+    for number, (words, target) in enumerate(TARGETS.items(), 1):
+        theirs, mine = (statistics.median(one[column] for one in rounds) for column in (0, number))
+        ratio = statistics.median(one[0] / one[number] for one in rounds)
+        times = f"{theirs:.2f} s / {mine:.2f} s = {ratio:.1f}x"
+        told(capsys, f"paper-similarity {' '.join(words)}: {times}, target {target}x")
+        assert ratio >= target / 2
 
 
 def test_peak_memory_is_below_400_megabytes(frames, tmp_path, capsys):
@@ -87,13 +86,10 @@ def test_first_run_compiles_within_8_seconds(frames, tmp_path, capsys):
     cache = tmp_path / "cache"
     command = ours(frames, tmp_path / "out", "--no-figures")
 
-    colds, warms = [], []
-    for _ in range(2):
-        shutil.rmtree(cache, ignore_errors=True)
-        colds.append(seconds(command, NUMBA_CACHE_DIR=str(cache)))
-        warms.append(seconds(command, NUMBA_CACHE_DIR=str(cache)))
+    cold = seconds(command, NUMBA_CACHE_DIR=str(cache))
+    warm = seconds(command, NUMBA_CACHE_DIR=str(cache))
 
-    extra = statistics.median(cold - warm for cold, warm in zip(colds, warms, strict=True))
+    extra = cold - warm
     told(capsys, f"first run ever: {extra:.1f} s longer than a warm one, target 8 s")
     assert extra < 2 * 8
 
@@ -108,7 +104,7 @@ def test_start_up_is_below(code, target, capsys):
     command = [sys.executable, "-c", code]
     seconds(command)
 
-    took = statistics.median(seconds(command) for _ in range(9))
+    took = min(seconds(command) for _ in range(9))  # a busy neighbour only ever adds
 
     what, bare = code.split(";")[-1].strip(), seconds(empty)
     told(capsys, f"{what}: {took:.3f} s, of which python {bare:.3f} s, target {target} s")

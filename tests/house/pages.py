@@ -1,7 +1,8 @@
 """Documents taken apart into code blocks.
 
 A block runs unless the line before it says ``<!-- not run: the reason -->``. A block whose first line is
-a comment with a file name (``# mine.toml``) is written to that file as well.
+a comment with a file name (``# mine.toml``) is written to that file as well, and so is a plugin's file
+that the page shows, if the line before it says ``<!-- the file ..., by `make docs`, as FILE -->``.
 """
 
 import re
@@ -11,7 +12,9 @@ from pathlib import Path
 from house.source import REPOSITORY
 
 BLOCK = re.compile(
-    r"(?:<!-- not run: (?P<reason>[^\n]+?) -->\n+)?^```(?P<language>[a-z]*)\n(?P<code>.*?)^```$",
+    r"(?:<!-- not run: (?P<reason>[^\n]+?) -->\n+)?"
+    r"(?:<!-- the file [^\n]+, as (?P<shown>\S+) -->\n)?"
+    r"^```(?P<language>[a-z]*)\n(?P<code>.*?)^```$",
     re.DOTALL | re.MULTILINE,
 )
 RUNNABLE = ("bash", "console", "python", "sh", "toml")
@@ -25,12 +28,13 @@ class Block:
     code: str
     reason: str | None
     line: int
+    shown: str | None = None
 
     @property
     def file(self) -> str | None:
-        """The file that the block's first line names."""
+        """The file that the block's first line names, or the line before it."""
         found = re.match(r"# ((?:[\w-]+/)*[\w.-]+\.(?:py|toml))\n", self.code)
-        return found[1] if found else None
+        return found[1] if found else self.shown
 
 
 def pages() -> list[Path]:
@@ -44,7 +48,11 @@ def blocks(page: Path) -> list[Block]:
     text = page.read_text(encoding="utf-8")
     return [
         Block(
-            found["language"], found["code"], found["reason"], text[: found.start("language")].count("\n") + 1
+            found["language"],
+            found["code"],
+            found["reason"],
+            text[: found.start("language")].count("\n") + 1,
+            found["shown"],
         )
         for found in BLOCK.finditer(text)
         if found["language"] in RUNNABLE

@@ -56,6 +56,7 @@ def test_our_row_is_counted_anew(count):
         ),
         ("a.h", '/* licence\n * more */\n#include "a//b.h"\n\nint a; // what\n/** doc */ int b;\n', 3),
         ("a.pyx", '"""Doc."""\ncdef int a  # what\n\n# why\n', 1),
+        ("a.pyx", 'def f():\n    r"""Doc.\n\n    More."""\n    return 1\n', 2),
     ],
 )
 def test_counts_code_alone(name, text, lines, count, tmp_path):

@@ -14,6 +14,10 @@ SETTINGS = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf
 each = pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
 
 
+def conformance(folder):
+    return folder / "tests" / f"test_{folder.name.replace('-', '_')}.py"
+
+
 def test_there_are_plugins():
     assert FOLDERS
 
@@ -36,14 +40,14 @@ def test_files_are_these(folder):
 
     inner = package(folder).name
     (preset,) = entries(folder)["preset"]
-    test = f"tests/test_{folder.name.replace('-', '_')}.py"
-    assert found == {"pyproject.toml", "README.md", f"{inner}/__init__.py", f"{inner}/{preset}.toml", test}
+    tests = {conformance(folder).relative_to(folder).as_posix(), "tests/test_twin.py"}
+    made = {"pyproject.toml", "README.md", f"{inner}/__init__.py", f"{inner}/{preset}.toml"}
+    assert found == made | tests
 
 
 @each
-def test_tests_are_two_lines_after_the_imports(folder):
-    (path,) = (folder / "tests").iterdir()
-    body = ast.parse(path.read_text(encoding="utf-8")).body
+def test_conformance_is_one_line_after_the_imports(folder):
+    body = ast.parse(conformance(folder).read_text(encoding="utf-8")).body
 
     assert [type(node) for node in body] == [ast.ImportFrom, ast.ImportFrom, ast.Assign]
 

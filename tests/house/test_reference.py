@@ -26,13 +26,18 @@ def test_components_page_is_up_to_date(generate):
 
 @pytest.mark.parametrize("kind", ["metric", "transform", "interpolator", "optimizer", "filter"])
 def test_page_of_a_kind_shows_a_plugins_file_as_it_is(generate, kind):
-    (page,) = (path for path in generate.GUIDES if path.stem.endswith(f"-{kind}"))
+    (page,) = (path for path in generate.GUIDES if path.stem in (f"write-a-{kind}", f"write-an-{kind}"))
     text = page.read_text(encoding="utf-8")
 
     (found,) = generate.INCLUDED.finditer(text)
 
     assert (REPOSITORY / found[2]).read_text(encoding="utf-8") in text
-    assert text == generate.guide(page), "run `make docs`"
+
+
+def test_files_that_pages_show_are_up_to_date(generate):
+    old = [page.name for page in generate.GUIDES if page.read_text(encoding="utf-8") != generate.guide(page)]
+
+    assert old == [], "run `make docs`"
 
 
 def test_every_shipped_component_has_its_section():

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
+from regframe.engine.itk_axes import eigenvectors
 from regframe.engine.moments import principal_axes, turn_between
 from regframe.engine.start import begin
+from regframe.errors import GeometryError
 from regframe.geometry import Grid
 from regframe.image import Image
 from regframe.preset import Stage
@@ -73,6 +75,54 @@ def test_principal_axes_are_theirs_but_not_the_turn(grid, versor):
     swapped = [(second * one[:, None]) @ (first * other[:, None]).T for one in ends for other in ends]
     assert min(np.abs(turn - told).max() for turn in swapped) < 1e-11
     assert min(np.abs((second.T * one) @ first - told).max() for one in ends) > 0.05
+
+
+@pytest.mark.parametrize("grid", [SPACE, OBLIQUE], ids=["upright", "oblique"])
+@pytest.mark.parametrize("seed", range(12))
+def test_itks_own_turn_is_found(grid, seed):
+    """The ends of axes included, which hang on each step of its solver."""
+    first, second = np.random.default_rng(seed).uniform(-0.55, 0.55, (2, 3))
+    fixed, moving = blob(grid, first, (0.5, 0.0, -0.5)), blob(SPACE, second, (1.0, 2.0, -1.0))
+
+    ours, theirs = begin(stage("itk-principal-axes"), fixed, moving, None), theirs_of(fixed, moving, True)
+
+    told = [theirs.TransformPoint(point) for point in grid.corners().tolist()]
+    np.testing.assert_allclose(ours(grid.corners()), told, rtol=0, atol=1e-9)
+
+
+def test_itks_turn_of_images_along_the_axes():
+    fixed, moving = (
+        blob(SPACE, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+        blob(SPACE, (0.1, 0.2, 0.0), (0.0, 0.0, 0.0)),
+    )
+    ours, theirs = begin(stage("itk-principal-axes"), fixed, moving, None), theirs_of(fixed, moving, True)
+
+    told = [theirs.TransformPoint(point) for point in SPACE.corners().tolist()]
+    np.testing.assert_allclose(ours(SPACE.corners()), told, rtol=0, atol=1e-9)
+
+
+def test_itks_turn_is_refused_in_a_plane():
+    grid = Grid.of_shape((20, 24))
+    image = Image(np.random.default_rng(1).random(grid.shape), grid, name="plane")
+    parts = {"interpolator": "linear", "metric": "mattes", "optimizer": "one-plus-one"}
+
+    with pytest.raises(GeometryError, match='Write "principal-axes"'):
+        begin(Stage(start="itk-principal-axes", transform="rigid", **parts), image, image, None)
+
+
+@pytest.mark.parametrize(
+    "symmetric",
+    [np.eye(3), np.diag([3.0, 1.0, 2.0]), [[2.0, 0, 0], [0, 3, 1], [0, 1, 3]], np.ones((3, 3))],
+    ids=["equal", "sorted otherwise", "one coupled", "of rank 1"],
+)
+def test_eigenvectors_of_special_matrices(symmetric):
+    symmetric = np.array(symmetric, dtype=np.float64)
+
+    vectors = eigenvectors(symmetric)
+
+    values = np.diag(vectors.T @ symmetric @ vectors)
+    np.testing.assert_allclose(vectors @ np.diag(values) @ vectors.T, symmetric, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(values, np.linalg.eigvalsh(symmetric), rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("versor", [(0.1, 0.05, -0.08), (0.3, -0.2, 0.25)])

@@ -17,6 +17,7 @@ class CorrelationRatio(Metric):
     """
 
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale", "inversion")
 
     bins: int = Field(64, ge=4, description="Classes of fixed intensity, equally wide.")
 

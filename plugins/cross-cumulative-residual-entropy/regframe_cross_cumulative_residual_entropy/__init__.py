@@ -35,6 +35,7 @@ class CrossCumulativeResidualEntropy(Metric):
     """
 
     suits: ClassVar[tuple[str, ...]] = ("mono", "inverted", "multimodal")
+    invariant_to: ClassVar[tuple[str, ...]] = ("shift", "scale")
 
     bins: int = Field(32, ge=6, le=1024, description="Bins an axis; on the moving one, three stay free.")
     normalized: bool = Field(

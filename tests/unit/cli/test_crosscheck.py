@@ -96,3 +96,10 @@ def test_a_script_with_a_metric_of_ones_own_is_checked_by_pairs(check, tmp_path)
     assert found["agrees"] is True
     assert pairs == ["agrees", "agrees"]
     assert any("MyDifference" in line["why"] for line in found["lines"])
+
+
+def test_a_missing_twin_is_explained_once(check):
+    found = check("--set", "stages.0.metric=normalised-mi")
+
+    assert found.out.count("SimpleITK has no twin of the metric normalised-mi.") == 1
+    assert found.out.count("as above") == 3

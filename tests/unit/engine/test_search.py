@@ -23,7 +23,7 @@ STAGE = {
     "interpolator": "linear",
     "metric": {"type": "oriented-gradients", "inner": 0.7, "outer": 1.0},
     "optimizer": "bfgs",
-    "levels": [{"fit": 80, "iterations": 8}, {"fit": 160, "iterations": 8}],
+    "levels": [{"fit": 80, "iterations": 8}, {"fit": 160, "iterations": 12}, {"fit": 320, "iterations": 12}],
 }
 
 
@@ -31,14 +31,14 @@ def preset(**changes):
     return parse({"name": "search", "stages": [STAGE | changes]})
 
 
-def moved(image, matrix, shift, shape):
+def moved(image, matrix, shift, shape, mode="nearest"):
     """The image seen through a map from new pixels to its own, and the way back as a warp."""
     from scipy import ndimage
 
     middle, centre = (np.array(image.shape) - 1) / 2, (np.array(shape) - 1) / 2
     swapped = matrix[::-1, ::-1]
     offset = middle + np.array(shift)[::-1] - swapped @ centre
-    return ndimage.affine_transform(image, swapped, offset, shape, order=1, mode="nearest")
+    return ndimage.affine_transform(image, swapped, offset, shape, order=1, mode=mode)
 
 
 @pytest.fixture(scope="module")
@@ -51,12 +51,13 @@ def far_pair(street, angle_deg, scale, shift):
     aligned = regframe.align(street.moving, street.fixed.grid, street.truth)
     matrix = scale * turn(np.deg2rad(angle_deg))
     moving = moved(aligned.astype(float), matrix, shift, aligned.shape)
+    seen = moved(np.ones(aligned.shape), matrix, shift, aligned.shape, mode="constant")
     fixed, grid = street.fixed, street.fixed.grid
     to_aligned = about(matrix, np.array(shift, float), grid.centre)
     frame = Frame.about_centre(grid)
     return (
         fixed,
-        Image.of_array(moving),
+        Image.of_array(moving).with_mask(seen > 0.99),
         Warp(Similarity(), Similarity().from_affine(to_aligned.inverse(), frame), frame),
     )
 
@@ -75,8 +76,7 @@ def test_finds_far_motions(street, angle_deg, scale, shift):
 
     result = regframe.register(preset(), fixed, moving)
 
-    # On 160 points each is two pixels. The frame seen from afar ends in a repeated border, which pulls too.
-    assert corner_error(result.warp, truth, fixed.grid) < 4.0
+    assert corner_error(result.warp, truth, fixed.grid) < 1.0
 
 
 def test_finds_the_same_from_the_other_side(street):
@@ -91,7 +91,7 @@ def test_tells_what_it_tried(street):
     result = regframe.register(preset(), street.fixed, street.moving)
 
     assert len(result.candidates) == FAST["keep"][0]
-    assert [len(one.values) for one in result.candidates] == [2, 2, 1, 1, 1, 1]
+    assert [len(one.values) for one in result.candidates] == [3, 2, 1, 1, 1, 1]
     best = result.candidates[0]
     assert best.values[-1] == result.value
     assert corner_error(best.found, result.warp, street.fixed.grid) == 0.0
@@ -170,7 +170,7 @@ def test_any_metric_can_be_searched_with(street):
         moved(np.asarray(fixed.values, float), turn(0.2), (40.0, -20.0), fixed.grid.shape)
     )
     truth = about(turn(0.2), np.array([40.0, -20.0]), fixed.grid.centre).inverse()
-    stage = preset(start={**FAST, "size": 24, "scale": [1.0, 1.0]}, transform="rigid").stages[0]
+    stage = preset(start={**FAST, "size": 24, "step": 4.0, "scale": [1.0, 1.0]}, transform="rigid").stages[0]
 
     found = search(
         stage.model_copy(update={"metric": Difference()}), Pyramid(fixed, moving), Setting(fixed.grid)

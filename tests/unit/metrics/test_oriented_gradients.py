@@ -67,7 +67,7 @@ def test_channels_turn_twice_as_far_as_the_image():
     for angle in np.deg2rad([0.0, 20.0, 75.0, 160.0]):
         wave = np.sin(0.5 * (x * np.cos(angle) + y * np.sin(angle)))
         made = orientation.features(wave[None], np.ones((1, 32, 32)), settings)
-        direction = np.arctan2(made.raw[2, 0, 16, 16], made.raw[1, 0, 16, 16])
+        direction = np.arctan2(made.units[2, 0, 16, 16], made.units[1, 0, 16, 16])
 
         # Central differences see diagonal waves a little flatter.
         assert np.angle(np.exp(1j * (direction - 2 * angle))) == pytest.approx(0.0, abs=0.03)
