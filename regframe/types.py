@@ -15,3 +15,4 @@ Scores = NDArray[np.float64] | NDArray[np.float32]  # of every translation; they
 Volume = NDArray[np.float64]  # (ny, nx) or (nz, ny, nx), one value a grid point
 Mask = NDArray[np.bool_]  # a volume of claims: True counts
 Bins = NDArray[np.int64]  # (n,), histogram bin of each sample
+Cells = NDArray[np.int32]  # (n,), place in a table of each sample

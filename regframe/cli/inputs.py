@@ -19,15 +19,28 @@ Start = Annotated[
 ]
 MovingInitial = Annotated[
     Path | None,
-    typer.Option(help="ITK transform file of a map that stays, applied after the searched one."),
+    typer.Option(help="Transform file of a map that stays, applied after the searched one."),
 ]
 FixedInitial = Annotated[
     Path | None,
-    typer.Option(help="ITK transform file of a map that stays, from the sampled grid to the fixed image."),
+    typer.Option(
+        help="Transform file of an affine map that stays, from the sampled grid to the fixed image."
+    ),
 ]
 Domain = Annotated[
     Path | None, typer.Option(help="Compare at the points of this image's grid, not the fixed image's.")
 ]
+
+ROLES = (
+    "fixed image",
+    "moving image",
+    "fixed mask",
+    "moving mask",
+    "start transform",
+    "moving-initial transform",
+    "fixed-initial transform",
+    "domain image",
+)
 
 
 def existing(path: Path, role: str) -> Path:
@@ -63,10 +76,9 @@ def everything(
     ImageError, GeometryError
         A file is not there, told before any is read; or it cannot be read.
     """
-    roles = ("fixed image", "moving image", "fixed mask", "moving mask", *known._fields)
-    for path, role in zip((fixed, moving, *masks, *known), roles, strict=True):
+    for path, role in zip((fixed, moving, *masks, *known), ROLES, strict=True):
         if path is not None:
-            existing(path, role.replace("_", " "))
+            existing(path, role)
     below = image(fixed, "fixed", masks[0])
     return below, image(moving, "moving", masks[1]), placement(known, below.grid)
 

@@ -97,7 +97,8 @@ def opened(place: Placement, fixed: Image) -> Setting:
     Raises
     ------
     GeometryError
-        A domain of other dimensions than the image, or a map to the fixed image that is not affine.
+        A domain of other dimensions than the image, a map to the fixed image that is not affine, or a map
+        that lays the image on a line.
     """
     domain = fixed.grid if place.domain is None else place.domain
     if domain.dim != fixed.dim:
@@ -112,7 +113,20 @@ def opened(place: Placement, fixed: Image) -> Setting:
             f"{_named(below)}. Give an affine one, or resample the fixed image through it first."
         )
         raise GeometryError(message)
+    for role, one in (("fixed-initial", below), ("moving-initial", place.moving_initial)):
+        if one is not None:
+            _check_spread(role, one)
     return Setting(domain, below, place.moving_initial)
+
+
+def _check_spread(role: str, one: Map) -> None:
+    affine = one.as_affine()
+    if affine is not None:
+        try:
+            affine.inverse()
+        except GeometryError as error:
+            message = f"the {role} map lays the image on a line or a point. {error}"
+            raise GeometryError(message) from None
 
 
 def begun(stages: tuple[Stage, ...], place: Placement) -> tuple[Stage, ...]:

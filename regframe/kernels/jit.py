@@ -9,8 +9,8 @@ array subscripts spare the test for negative ones and are worth 1.5x in the hot 
 import os
 import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from queue import SimpleQueue
 from typing import Any, Protocol, TypeVar, cast
 
 import numba
@@ -24,6 +24,7 @@ BLOCKS = 8
 """Reductions are cut into this many parts, whatever the number of threads, and summed in order."""
 
 
+Array = NDArray[np.float64]
 Four = tuple[float, float, float, float]
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -82,9 +83,91 @@ def _columns(_: Any, array: Any, index: Any, stride: Any, shares: Any) -> Any:
     return floats(array, index, stride, shares), generate
 
 
+@intrinsic
+def _blend(
+    _: Any, out: Any, at: Any, array: Any, places: Any, k: Any, offset: Any, width: Any, tx: Any, ty: Any
+) -> Any:
+    """Bilinear values at the four samples from `k` on, into `out` from `at` on; all four as one.
+
+    Sample i lies between the corners ``o, o + 1, o + width, o + width + 1`` of `array`, where
+    ``o = offset + int(places[i])``, at ``tx[i], ty[i]`` from the first. The compiler cannot do this by
+    itself: for all it knows, what is written changes what is read next. Along x first, without fused
+    operations: the bits are those of the formula.
+    """
+    long, pair, four = ir.IntType(64), ir.VectorType(ir.DoubleType(), 2), ir.VectorType(ir.DoubleType(), 4)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        where, k = _where(context, builder, signature, arguments), arguments[4]
+
+        def along(low: Any, high: Any, t: Any) -> Any:
+            return builder.fadd(low, builder.fmul(builder.fsub(high, low), t))
+
+        def line(shift: Any) -> Any:
+            pairs = [builder.load(where(2, builder.add(o, shift), pair), align=8) for o in corners]
+            first, last = (_shuffled(builder, pairs[i], pairs[i + 1], (0, 2, 1, 3)) for i in (0, 2))
+            return [_shuffled(builder, first, last, lanes) for lanes in ((0, 1, 4, 5), (2, 3, 6, 7))]
+
+        places = [builder.load(where(3, builder.add(k, long(i)), ir.DoubleType())) for i in range(4)]
+        corners = [builder.add(arguments[5], builder.fptosi(place, long)) for place in places]
+        tx, ty = (builder.load(where(which, k, four), align=8) for which in (7, 8))
+        low, high = (along(corner[0], corner[1], tx) for corner in map(line, (long(0), arguments[6])))
+        value = along(low, high, ty)
+        builder.store(value, where(0, arguments[1], four), align=8)
+        return context.get_dummy_value()
+
+    return numba.void(out, at, array, places, k, offset, width, tx, ty), generate
+
+
+@intrinsic
+def _add_powers(_: Any, array: Any, cells: Any, t: Any, shares: Any, k: Any) -> Any:
+    """Add ``shares[i] * t[i]**q`` to ``array[4 * int(cells[i]) + q]``, q from 0 to 3, for four samples.
+
+    The four powers of one sample are added as one, after those of four samples were multiplied as one.
+    Samples follow each other, so the bits are those of a loop.
+    """
+    long, four = ir.IntType(64), ir.VectorType(ir.DoubleType(), 4)
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        where, k = _where(context, builder, signature, arguments), arguments[4]
+        steps, powers = builder.load(where(2, k, four), align=8), [builder.load(where(3, k, four), align=8)]
+        for _ in range(3):
+            powers.append(builder.fmul(powers[-1], steps))
+        # Turned from powers of four samples to samples of four powers; `halves` holds two samples each.
+        halves = [
+            [_shuffled(builder, powers[i], powers[i + 1], lanes) for i in (0, 2)]
+            for lanes in ((0, 4, 2, 6), (1, 5, 3, 7))
+        ]
+        for i in range(4):
+            lanes = (0, 1, 4, 5) if i < 2 else (2, 3, 6, 7)
+            added = _shuffled(builder, halves[i % 2][0], halves[i % 2][1], lanes)
+            cell = builder.fptosi(builder.load(where(1, builder.add(k, long(i)), ir.DoubleType())), long)
+            place = where(0, builder.shl(cell, long(2)), four)
+            builder.store(builder.fadd(builder.load(place, align=8), added), place, align=8)
+        return context.get_dummy_value()
+
+    return numba.void(array, cells, t, shares, k), generate
+
+
+def _where(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """What gives the address of an item, or of a vector of neighbours, in one of an intrinsic's arrays."""
+
+    def where(which: int, index: Any, kind: Any) -> Any:
+        data = context.make_array(signature.args[which])(context, builder, arguments[which]).data
+        return builder.bitcast(builder.gep(data, [index]), kind.as_pointer())
+
+    return where
+
+
+def _shuffled(builder: Any, first: Any, second: Any, lanes: tuple[int, ...]) -> Any:
+    """Lanes of two vectors, those of the second counted on."""
+    return builder.shuffle_vector(first, second, ir.Constant(ir.VectorType(ir.IntType(32), 4), list(lanes)))
+
+
 # To numba these are the functions above; to the type checker, what kernels may call.
-prefetch = cast("Callable[[NDArray[np.float64], int], None]", _prefetch)
-columns = cast("Callable[[NDArray[np.float64], int, int, Four], Four]", _columns)
+prefetch = cast("Callable[[Array, int], None]", _prefetch)
+columns = cast("Callable[[Array, int, int, Four], Four]", _columns)
+blend = cast("Callable[[Array, int, Array, Array, int, int, int, Array, Array], None]", _blend)
+add_powers = cast("Callable[[Array, Array, Array, Array, int], None]", _add_powers)
 
 
 class Compiled(Protocol):
@@ -143,9 +226,46 @@ class _Here(threading.local):
 _here = _Here()
 
 
+class _Part:
+    """One thread's part of shared work."""
+
+    def __init__(self, function: Callable[..., object], first: int, last: int, arguments: Any) -> None:
+        self._call = function, first, last, arguments
+        self._error: BaseException | None = None
+        self._busy = threading.Lock()
+        self._busy.acquire()
+
+    def run(self) -> None:
+        """Do it; an error waits for the one who asked."""
+        function, first, last, arguments = self._call
+        _here.sharing = True
+        try:
+            function(first, last, *arguments)
+        except BaseException as error:
+            self._error = error
+        finally:
+            _here.sharing = False
+            self._busy.release()
+
+    def wait(self) -> None:
+        """Return when it is done, or raise its error."""
+        self._busy.acquire()
+        if self._error is not None:
+            raise self._error
+
+
 @cache
-def _pool(size: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(size, thread_name_prefix="regframe")
+def _pool(size: int) -> SimpleQueue[_Part]:
+    """A queue that as many threads serve: half the price of an executor, which counts where work is short."""
+    queue: SimpleQueue[_Part] = SimpleQueue()
+    for i in range(size):
+        threading.Thread(target=_serve, args=(queue,), name=f"regframe_{i}", daemon=True).start()
+    return queue
+
+
+def _serve(queue: SimpleQueue[_Part]) -> None:
+    while True:
+        queue.get().run()
 
 
 if hasattr(os, "register_at_fork"):
@@ -165,17 +285,9 @@ def share(function: Callable[..., object], count: int, *arguments: Any) -> None:
         function(0, count, *arguments)
         return
     edges = [count * i // parts for i in range(parts + 1)]
-    waiting = [
-        _pool(parts - 1).submit(_part, function, edges[i], edges[i + 1], *arguments) for i in range(1, parts)
-    ]
-    _part(function, edges[0], edges[1], *arguments)
-    for one in waiting:
-        one.result()
-
-
-def _part(function: Callable[..., object], first: int, last: int, *arguments: Any) -> None:
-    _here.sharing = True
-    try:
-        function(first, last, *arguments)
-    finally:
-        _here.sharing = False
+    work = [_Part(function, edges[i], edges[i + 1], arguments) for i in range(parts)]
+    for part in work[1:]:
+        _pool(parts - 1).put(part)
+    work[0].run()
+    for part in work:
+        part.wait()

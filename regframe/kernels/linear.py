@@ -6,13 +6,13 @@ shared by rows: rows of the grid, or runs of `RUN` stored indices when the grid 
 
 import numpy as np
 
-from regframe.kernels.jit import kernel, prefetch
+from regframe.kernels.jit import blend, kernel, prefetch
 from regframe.types import Bins, Indices, Matrix, Values, Volume
 
 U = np.uint64
 RUN = 256
 CHUNK = 64
-LINE = 7  # samples but one that share a line of memory
+LINE = 8  # samples that share a line of memory
 BORDER = -1.0  # in place of a corner: in the outer half pixel of the image, or near enough to need a look
 OUTSIDE = -2.0
 
@@ -110,18 +110,31 @@ def resample(
 
 @kernel
 def _locate_plane(row: int, left: int, shape: Bins, matrix: Matrix, t: Matrix, base: Values) -> None:
-    """A chunk's first corners, and the ways (x, y) from them; OUTSIDE or BORDER where there is none."""
+    """A chunk's first corners, and the ways (x, y) from them; OUTSIDE or BORDER where there is none.
+
+    `t` holds the ways z, y, x and the columns 0 to CHUNK - 1.
+    """
     last_y, last_x, width = np.float64(shape[1] - 1), np.float64(shape[2] - 1), np.float64(shape[2])
     mx, my, x1, y1 = matrix[2, 2], matrix[1, 2], matrix[2, 1] * row, matrix[1, 1] * row
-    x3, y3, tx, ty = matrix[2, 3], matrix[1, 3], t[2], t[1]
+    x3, y3, tx, ty, columns, start = matrix[2, 3], matrix[1, 3], t[2], t[1], t[3], np.float64(left)
     for k in range(CHUNK):
-        x = np.float64(left + k)
+        x = start + columns[k]
         cx, cy = (mx * x + x1) + x3, (my * x + y1) + y3
         floor_x, floor_y = np.floor(cx), np.floor(cy)
+        tx[k], ty[k] = cx - floor_x, cy - floor_y
+        base[k] = floor_y * width + floor_x
+    inner = True
+    for x in (start, start + (CHUNK - 1)):
+        cx, cy = (mx * x + x1) + x3, (my * x + y1) + y3
+        inner = inner & (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y)
+    if inner:  # all is: rounding keeps order, so a coordinate rises or falls all along a row
+        return
+    for k in range(CHUNK):
+        x = start + columns[k]
+        cx, cy = (mx * x + x1) + x3, (my * x + y1) + y3
         inner = (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y)
         near = (cx >= -1.0) & (cx < last_x + 1.0) & (cy >= -1.0) & (cy < last_y + 1.0)
-        tx[k], ty[k] = cx - floor_x, cy - floor_y
-        base[k] = floor_y * width + floor_x if inner else (BORDER if near else OUTSIDE)
+        base[k] = base[k] if inner else (BORDER if near else OUTSIDE)
 
 
 @kernel
@@ -136,9 +149,9 @@ def _locate_space(
     z1, y1, x1 = matrix[0, 1] * y, matrix[1, 1] * y, matrix[2, 1] * y
     z2, y2, x2 = matrix[0, 0] * z, matrix[1, 0] * z, matrix[2, 0] * z
     z3, y3, x3 = matrix[0, 3], matrix[1, 3], matrix[2, 3]
-    tz, ty, tx = t[0], t[1], t[2]
+    tz, ty, tx, columns, start = t[0], t[1], t[2], t[3], np.float64(left)
     for k in range(CHUNK):
-        x = np.float64(left + k)
+        x = start + columns[k]
         cx, cy, cz = ((mx * x + x1) + x2) + x3, ((my * x + y1) + y2) + y3, ((mz * x + z1) + z2) + z3
         floor_x, floor_y, floor_z = np.floor(cx), np.floor(cy), np.floor(cz)
         inner = (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y) & (cz >= 0.0) & (cz < last_z)
@@ -149,47 +162,52 @@ def _locate_space(
 
 
 @kernel
-def _blend(flat: Values, o: int, width: int, tx: float, ty: float) -> float:
-    a, c = flat[o], flat[o + width]
-    low = a + (flat[o + U(1)] - a) * tx
-    return low + ((c + (flat[o + width + U(1)] - c) * tx) - low) * ty
+def _chunk() -> tuple[Matrix, Values]:
+    """Room for `t` and `base` of a chunk; `t` ends with room for values."""
+    t = np.empty((5, CHUNK))
+    t[3] = np.arange(CHUNK)
+    return t, np.empty(CHUNK)
 
 
 @kernel
 def resample_grid(
     first: int, last: int, volume: Volume, grid: Bins, matrix: Matrix, values: Values, weights: Values
 ) -> None:
-    """`resample` of order 1 for whole grids, the same bits; one loop finds places and vectorises."""
+    """`resample` of order 1 for whole grids, the same bits; four samples are blended as one."""
     flat, shape = volume.ravel(), np.array(volume.shape)
-    plane, width = U(shape[1] * shape[2]), U(shape[2])
-    t, base, at, c = np.empty((3, CHUNK)), np.empty(CHUNK), np.empty(3), np.empty(3)
-    none = np.empty((0, 3))
     planar = shape[0] == 1 and grid[0] == 1 and matrix[0, 3] == 0.0
+    plane, width = U(0 if planar else shape[1] * shape[2]), U(shape[2])
+    (t, base), at, c, none = _chunk(), np.empty(3), np.empty(3), np.empty((0, 3))
+    tz, ty, tx, high = t[0], t[1], t[2], t[4]
     for row in range(first, last):
         for left in range(0, grid[2], CHUNK):
             if planar:
                 _locate_plane(row, left, shape, matrix, t, base)
             else:
                 _locate_space(row, left, grid, shape, matrix, t, base)
-            out = U(row * grid[2] + left)
-            for k in range(U(min(CHUNK, grid[2] - left))):
-                value, weight = 0.0, 1.0
-                if base[k] >= 0.0:
-                    o, tx, ty = U(np.int64(base[k])), t[2, k], t[1, k]
-                    if k & U(LINE) == U(0):
-                        prefetch(flat, o + width + width)  # what the next row of the grid will read
-                    value = _blend(flat, o, width, tx, ty)
-                    if not planar:
-                        value += (_blend(flat, o + plane, width, tx, ty) - value) * t[0, k]
-                elif base[k] == OUTSIDE:
-                    weight = 0.0
-                else:
+            for k in range(0, CHUNK, LINE):
+                prefetch(flat, U(np.int64(base[k])) + width + width)
+            out, k, count = U(row * grid[2] + left), U(0), U(min(CHUNK, grid[2] - left))
+            while k < count:
+                # A row enters the inside once and leaves it once: between two inner samples are inner ones.
+                if k + U(3) < count and base[k] >= 0.0 and base[k + U(3)] >= 0.0:
+                    blend(values, out + k, flat, base, k, U(0), width, tx, ty)
+                    if plane:
+                        blend(high, k, flat, base, k, plane, width, tx, ty)
+                        for i in range(U(4)):
+                            low = values[out + k + i]
+                            values[out + k + i] = low + (high[k + i] - low) * tz[k + i]
+                    for i in range(U(4)):
+                        weights[out + k + i] = 1.0
+                    k += U(4)
+                    continue
+                values[out + k] = weights[out + k] = 0.0
+                if base[k] != OUTSIDE:
                     _start(row, row * grid[2] + left + np.int64(k), grid, none, at)
                     _move(at, matrix, c)
-                    weight = 1.0 if _inside(c, shape) else 0.0
-                    value = _linear(flat, shape, c) if weight > 0.0 else 0.0
-                values[out + k] = value
-                weights[out + k] = weight
+                    if _inside(c, shape):
+                        values[out + k], weights[out + k] = _linear(flat, shape, c), 1.0
+                k += U(1)
 
 
 @kernel
@@ -297,8 +315,8 @@ def _pull_chunk(
             continue
         if base[k] >= 0.0:
             o = U(np.int64(base[k]))
-            if k & U(LINE) == U(0):
-                prefetch(flat, o + width + width)
+            if k % U(LINE) == U(0):
+                prefetch(flat, o + width + width)  # what the next row of the grid will read
             slopes = _tilt(flat, o, width, plane, t, k, planar)
         else:
             _start(row, row * grid[2] + left + np.int64(k), grid, none, at)
@@ -318,7 +336,7 @@ def pull_back_grid(
 ) -> None:
     """`pull_back` for whole grids, its sums taken row by row."""
     shape, rows, sums = np.array(volume.shape), grid[0] * grid[1], np.empty((2, 3))
-    t, base = np.empty((3, CHUNK)), np.empty(CHUNK)
+    t, base = _chunk()
     planar = shape[0] == 1 and grid[0] == 1 and matrix[0, 3] == 0.0
     for block in range(first, last):
         for row in range(rows * block // len(partial), rows * (block + 1) // len(partial)):

@@ -5,10 +5,10 @@ from typing import ClassVar, Literal, final
 import numpy as np
 from pydantic import Field
 
-from regframe.kernels import cross_information
+from regframe.kernels import cross_information, parzen
 from regframe.metrics.base import Metric, Pairs, Translations
 from regframe.metrics.parzen_histogram import Axes, axes, counts, joint_of, slopes_of
-from regframe.types import Matrix, Values
+from regframe.types import Values
 
 
 @final
@@ -40,7 +40,7 @@ class Mattes(Metric):
         its sums by row and column:
         value = - sum P(k, l) ln( P(k, l) / (pf(k) pm(l)) ).
         """
-        return _negative_information(joint_of(pairs, self.bins)[0])
+        return -parzen.information(joint_of(pairs, self.bins)[0])
 
     def derivative(self, pairs: Pairs) -> Values:
         """Slope of the value by each moving intensity."""
@@ -55,17 +55,9 @@ class Mattes(Metric):
         """
         joint, mass = joint_of(pairs, self.bins)
         log = np.log(np.divide(joint, joint.sum(axis=0), out=np.ones_like(joint), where=counts(joint)))
-        return _negative_information(joint), slopes_of(pairs, self.bins, -log, mass)
+        return -parzen.information(joint), slopes_of(pairs, self.bins, -log, mass)
 
     def translations(self, pairs: Pairs, lattice: tuple[int, ...]) -> Translations:
         """Mutual information of a few classes of intensity at all translations, by FFT."""
         shape = pairs.shape or pairs.weight.shape
         return cross_information.scorer(pairs.fixed.reshape(shape), pairs.weight.reshape(shape), lattice)
-
-
-def _negative_information(joint: Matrix) -> float:
-    counted = counts(joint)
-    if not counted.any():
-        return float("inf")
-    independent = np.outer(joint.sum(axis=1), joint.sum(axis=0))[counted]
-    return -float(np.sum(joint[counted] * np.log(joint[counted] / independent)))

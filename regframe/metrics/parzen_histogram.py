@@ -7,16 +7,15 @@ import numpy as np
 from regframe.kernels import parzen
 from regframe.kernels.jit import BLOCKS, share
 from regframe.metrics.base import Pairs
-from regframe.types import Bins, Mask, Matrix, Values
+from regframe.types import Cells, Mask, Matrix, Values
 
-EPSILON = float(np.finfo(np.float64).eps)
 PADDING = 2  # bins left free at each end, so that the cubic window always fits
 
 
 class Axes(NamedTuple):
     """The histogram's two axes: what `prepare` computes once a level."""
 
-    rows: Bins  # (n,) bins * fixed bin of every sample
+    rows: Cells  # (n,) bins * fixed bin of every sample
     moving: Values  # lowest value, highest value, 1 / bin width, minimum in bins
 
 
@@ -30,7 +29,7 @@ def axes(pairs: Pairs, bins: int) -> Axes:
     low, high = pairs.fixed_range
     width, last = (high - low) / (bins - 2 * PADDING) or 1.0, bins - PADDING - 1
     place = pairs.fixed / width - (low / width - PADDING)
-    fixed = np.clip(np.trunc(place), PADDING, last).astype(np.int64)
+    fixed = np.clip(np.trunc(place), PADDING, last).astype(np.int32)
     low, high = pairs.moving_range
     width = (high - low) / (bins - 2 * PADDING) or 1.0
     return Axes(fixed * bins, np.array([low, high, 1.0 / width, low / width - PADDING]))
@@ -44,7 +43,7 @@ def prepared(pairs: Pairs, bins: int) -> Axes:
 def joint_of(pairs: Pairs, bins: int) -> tuple[Matrix, float]:
     """Joint probability, (bins, bins), fixed by rows; and the weight of all samples that count."""
     # Not zeroed here: fresh pages cost as much as the sums, a block that was used before costs nothing.
-    partial = np.empty((BLOCKS, bins * bins, 4))
+    partial = np.empty((BLOCKS, bins * bins + 1, 4))
     joint = np.zeros((bins, bins))
     share(parzen.moments, BLOCKS, pairs.moving, pairs.weight, *prepared(pairs, bins), bins, partial)
     parzen.histogram(partial, bins, joint)
@@ -77,4 +76,4 @@ def slopes_of(pairs: Pairs, bins: int, cells: Matrix, mass: float) -> Values:
 def counts(joint: Matrix) -> Mask:
     """Cells that ITK counts: it, its row and its column hold more than rounding noise."""
     fixed, moving = joint.sum(axis=1, keepdims=True), joint.sum(axis=0)
-    return np.asarray((joint > EPSILON) & (fixed > EPSILON) & (moving > EPSILON))
+    return np.asarray((joint > parzen.EPSILON) & (fixed > parzen.EPSILON) & (moving > parzen.EPSILON))

@@ -16,7 +16,7 @@ from regframe.errors import NoTwin, RegframeError
 from regframe.geometry import Frame, Grid
 from regframe.image import Image
 from regframe.metrics.base import Metric
-from regframe.peer import agreement_stages, components, probe, twins, whole
+from regframe.peer import components, probe, twins, whole
 from regframe.peer.bench import Bench
 from regframe.peer.report import largest
 from regframe.preset import Level, Preset, Stage
@@ -101,7 +101,6 @@ def sections() -> dict[str, list[Row]]:
             every = VARIANTS.get(f"{kind}/{name}", (OPTIONS.get(name, {}),))
             made = [registry.build({"type": name, **options}) for options in every]
             found.setdefault(kind, []).append(_worst([_row(name, ours, measure, theirs) for ours in made]))
-    found["stages"] = [Row(*case) for case in agreement_stages.measured((_dim2(), _dim3()))]
     return found
 
 

@@ -163,8 +163,8 @@ class Report:
 
     def verdict(self) -> str:
         """The outcome in a sentence."""
-        counts = [(sum(line.verdict == word for line in self.lines), said) for word, said in _WORDS.items()]
-        told = ", ".join(f"{count} {said}" for count, said in counts if count)
+        counts = [(sum(line.verdict == word for line in self.lines), *said) for word, said in _WORDS.items()]
+        told = ", ".join(f"{count} {one if count == 1 else more}" for count, one, more in counts if count)
         if self.corner is None:
             ends = "There is no whole run to compare"
         elif self.corner == 0.0:
@@ -206,11 +206,12 @@ class Report:
         return save(self, Path(folder), force=force)
 
 
-_WORDS: Mapping[Verdict, str] = {
-    "agrees": "agree",
-    "differs": "differ",
-    "not comparable": "cannot be made",
+_WORDS: Mapping[Verdict, tuple[str, str]] = {
+    "agrees": ("agrees", "agree"),
+    "differs": ("differs", "differ"),
+    "not comparable": ("cannot be made", "cannot be made"),
 }
+"""What one comparison does, and what several do."""
 
 
 def largest(differences: Iterable[float]) -> float:

@@ -35,6 +35,20 @@ ESTIMATED = {**DESCENT, "estimate_learning_rate": "once", "maximum_step": 1.0}
 PLAIN = {"type": "gradient-descent", "keep": "last", "maximum_step": 1.0}
 SLOPES = {"optimizer": DESCENT, "gradient": "filtered", "scales": [400.0, 400.0, 1.0, 1.0]}
 DRAWN = {"shrink": 1, "smooth": 0.0, "iterations": 30, "fraction": 0.4}
+RESET = {**PLAIN, "estimate_learning_rate": "each-iteration", "maximum_step": 0.5}
+LEVELS: list[dict[str, Any]] = [{"shrink": 2, "smooth": 1.0, "iterations": 4}, {"iterations": 4}]
+STEPPED = {
+    "start": "identity",
+    "transform": "affine",
+    "optimizer": RESET,
+    "scales": "physical-shift",
+    "gradient": "filtered",
+    "levels": LEVELS,
+}
+FIELD = {"type": "displacement-field", "update_variance": 1.75, "total_variance": 0.5}
+MESH = {"type": "bspline", "mesh": [1]}
+INNER = 300
+"""Points within the image at which maps are compared, beside its corners."""
 SHAPES: tuple[tuple[int, ...], ...] = ((40, 48), (14, 16, 18))
 ITK_AXES = "itk-principal-axes"
 TURNED = 0.4
@@ -43,12 +57,13 @@ TURNED = 0.4
 
 @dataclass(frozen=True)
 class Case:
-    """One setting: what it is called on both sides, and the run that shows it."""
+    """One setting: what it is called on both sides, and the run that shows it, of a stage or of several."""
 
     name: str
     twin: str
     relation: str
     changes: Mapping[str, Any] = field(default_factory=dict)
+    stages: tuple[Mapping[str, Any], ...] = ({},)
     prepared: Callable[[Pair], Pair] = lambda pair: pair
     placed: Callable[[Pair], Placement | None] = lambda _: None
 
@@ -65,14 +80,18 @@ def _row(case: Case) -> Row:
 
 def _apart(case: Case, shape: tuple[int, ...]) -> float:
     pair = case.prepared(waves(shape))
-    runs = whole.run(Preset(stages=(_stage(case, len(shape)),)), *pair, place=case.placed(pair))
+    stages = tuple(_stage({**case.changes, **changes}, len(shape)) for changes in case.stages)
+    runs = whole.run(Preset(stages=stages), *pair, place=case.placed(pair))
     if runs.simpleitk is None or not runs.alike:
         message = f"the setting {case.name!r} no longer compares: {runs.refusal or 'other walks'}"
         raise RegframeError(message)
-    return whole.apart(runs.native.warp, runs.simpleitk.warp)
+    grid = pair[0].grid
+    inner = np.random.default_rng(5).random((INNER, grid.dim)) * (np.array(grid.shape) - 1.0)
+    points = np.concatenate([grid.corners(), grid.points(inner)])  # a map that bends may keep the corners
+    return float(np.abs(runs.native.warp(points) - runs.simpleitk.warp(points)).max())
 
 
-def _stage(case: Case, dim: int) -> Stage:
+def _stage(changes: Mapping[str, Any], dim: int) -> Stage:
     parts: dict[str, Any] = {
         "transform": "similarity" if dim == 2 else "rigid",
         "interpolator": "linear",
@@ -80,7 +99,7 @@ def _stage(case: Case, dim: int) -> Stage:
         "optimizer": "one-plus-one",
         "levels": [{"shrink": 2, "smooth": 1.0, "iterations": 6}],
     }
-    parts |= case.changes
+    parts |= changes
     if dim == 3:
         # Lists are written for a plane's four parameters: two that turn, then the shift.
         for name in ("scales", "weights"):
@@ -160,7 +179,7 @@ CASES = (
         "`SetSmoothingSigmasAreSpecifiedInPhysicalUnits`",
         "The same; ask for it, as physical units are the default of both.",
         {"smooth_unit": "voxels"},
-        _oblique,
+        prepared=_oblique,
     ),
     Case(
         "scales as a list",
@@ -227,6 +246,32 @@ CASES = (
     ),
     Case("fixed_initial", "`SetFixedInitialTransform`", "The same; here it must be affine.", placed=_below),
     Case("domain", "`SetVirtualDomain`", "The same grid of samples.", placed=_domain),
+    Case(
+        "compose",
+        "`SetMovingInitialTransform`",
+        "The map found before is told as the moving-initial one.",
+        STEPPED,
+        ({"transform": "translation"}, {"start": "compose"}),
+    ),
+    Case(
+        "update_variance",
+        "`SetSmoothingGaussianOnUpdate`",
+        "The same, of `displacement-field`; smoothing by B-splines is not offered.",
+        {**STEPPED, "transform": {**FIELD, "total_variance": 0.0}},
+    ),
+    Case(
+        "total_variance",
+        "`SetSmoothingGaussianOnUpdate`",
+        "The same; estimated rates count the smoothing as ITK's do, where scales are ITK's.",
+        {**STEPPED, "transform": FIELD, "metric": "mattes"},
+    ),
+    Case(
+        "refine",
+        "`SetInitialTransformAsBSpline`",
+        "The same; ITK reads splines of order 2 as if they were of order 3 when it lays the lattice anew, "
+        "and so does this.",
+        {**STEPPED, "transform": MESH, "levels": [{**LEVELS[0], "refine": 1}, {**LEVELS[1], "refine": 2}]},
+    ),
     Case(
         "oblique grids",
         "`Image.SetDirection`",

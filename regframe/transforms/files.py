@@ -274,7 +274,10 @@ def _check_text(path: Path) -> None:
     kinds = [line for line in text.splitlines() if line.startswith("Transform:")]
     wanted = sum("CompositeTransform" not in kind for kind in kinds)
     met = min(heads.count("Parameters"), heads.count("FixedParameters"))
-    if not kinds or met < wanted or not text.endswith("\n"):
+    if not kinds:
+        message = f"{path}: it holds no transform. Name an ITK transform file, or a result's transform.json."
+        raise GeometryError(message)
+    if met < wanted or not text.endswith("\n"):
         message = (
             f"{path}: the transform file is damaged or truncated: of {wanted} transforms, {met} have "
             "parameters. Write it anew."

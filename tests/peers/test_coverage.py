@@ -45,9 +45,13 @@ OFFERED = {
     "affine": (["affine"], ["test_transforms.py::test_the_matrix_is_the_same"]),
     "B-spline maps": (["bspline"], ["test_transforms_curved.py::test_descent_over_two_levels"]),
     "displacement field": (["displacement-field"], ["test_demons.py::test_value_and_pushes"]),
-    "refined meshes": (["bspline"], ["test_refined.py::test_both_engines_refine_alike"]),
+    "smoothed fields": (
+        ["update_variance", "total_variance"],
+        ["test_fields.py::test_steps_and_fields_are_smoothed_alike"],
+    ),
+    "refined meshes": (["bspline", "refine"], ["test_refined.py::test_both_engines_refine_alike"]),
     "composite": (
-        ["moving_initial, chains"],
+        ["moving_initial, chains", "compose"],
         [
             "test_transforms.py::test_their_composite_applies_the_last_one_first",
             "test_settings.py::test_a_composed_stage_keeps_the_map_before",

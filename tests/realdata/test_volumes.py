@@ -59,3 +59,25 @@ def test_t1_and_ct_templates_stay_together(data):
 
     # The two are templates of different people, aligned to about 2 mm.
     assert np.linalg.norm(result.warp(points) - points, axis=1).mean() < 3.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "begun", "bound"), [(None, 0.0, 3.0), (rigid, 10.0, 5.0)], ids=["as is", "turned"]
+)
+def test_the_preset_for_ct_and_mr(data, kind, begun, bound):
+    """Two people's templates at best; its hundredth of the points then leaves it some mm from there.
+
+    Measured: 2.3 mm, and 4.2 mm from a start that is 12 mm off.
+    """
+    still = sitk.ReadImage(str(data / FOLDER / T1), sitk.sitkFloat32)
+    points = brain_points(read(data / FOLDER / T1))
+    true = points
+    if kind is not None:
+        known = kind(still.TransformContinuousIndexToPhysicalPoint([(n - 1) / 2 for n in still.GetSize()]))
+        still = sitk.Resample(still, still, known.GetInverse(), sitk.sitkBSpline3, 0.0)
+        true = np.array([known.TransformPoint(point) for point in points.tolist()])
+
+    result = regframe.register("brain-ct-mr", data / FOLDER / CT, still)
+
+    assert np.linalg.norm(true - points, axis=1).mean() >= begun
+    assert np.linalg.norm(result.warp(points) - true, axis=1).mean() < bound

@@ -228,7 +228,7 @@ def test_lists_known_suffixes(tmp_path):
 def test_tells_what_is_no_transform_in_one_line(tmp_path, suffix, content, capfd):
     (tmp_path / f"warp{suffix}").write_text(content)
 
-    with pytest.raises(GeometryError, match="damaged") as fault:
+    with pytest.raises(GeometryError, match=r"damaged|holds no transform") as fault:
         files.read(tmp_path / f"warp{suffix}", PLANE)
 
     assert "\n" not in str(fault.value)
