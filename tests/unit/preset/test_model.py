@@ -213,7 +213,7 @@ def test_scales_are_told_in_one_line(tree, scales):
     tree["stages"][0]["scales"] = scales
 
     assert faults(tree) == [
-        "stages.0.scales: must be 'shift', 'physical-shift', 'index-shift', 'jacobian' or a list of numbers "
+        "stages.0.scales: must be 'shift', 'grid-shift', 'physical-shift', 'index-shift', 'jacobian' or a list of numbers "
         f"above 0, one a parameter. Got {scales!r}."
     ]
 
