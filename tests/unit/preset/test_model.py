@@ -213,8 +213,8 @@ def test_scales_are_told_in_one_line(tree, scales):
     tree["stages"][0]["scales"] = scales
 
     assert faults(tree) == [
-        "stages.0.scales: must be 'shift', 'grid-shift', 'physical-shift', 'index-shift', 'jacobian' or a list "
-        f"of numbers above 0, one a parameter. Got {scales!r}."
+        "stages.0.scales: must be 'shift', 'grid-shift', 'physical-shift', 'index-shift', 'jacobian' or a "
+        f"list of numbers above 0, one a parameter. Got {scales!r}."
     ]
 
 
