@@ -10,6 +10,7 @@ from regframe.cli.plugin_files import Plugins
 
 if TYPE_CHECKING:
     from regframe.component import Component
+    from regframe.preset import Level
 
 Name = Annotated[str, typer.Argument(help="A component's or a preset's name, or a preset file.")]
 
@@ -113,6 +114,11 @@ def _parameters(cls: "type[Any]") -> None:
         typer.echo(f"\nParameters in {dim}-D: {', '.join(names)}")
 
 
+def _level(level: "Level") -> str:
+    """Its iterations and size, in a few words."""
+    return f"{level.iterations} at " + (f"fit {level.fit}" if level.fit else f"shrink {level.shrink}")
+
+
 def _preset(name: str) -> None:
     from regframe.catalog import INTERPOLATORS, METRICS, OPTIMIZERS, TRANSFORMS
     from regframe.cli.tables import table
@@ -129,7 +135,7 @@ def _preset(name: str) -> None:
             METRICS.name_of(stage.metric),
             INTERPOLATORS.name_of(stage.interpolator),
             OPTIMIZERS.name_of(stage.optimizer),
-            ", ".join(f"{level.iterations} at shrink {level.shrink}" for level in stage.levels),
+            ", ".join(map(_level, stage.levels)),
         )
         for number, stage in enumerate(preset.stages)
     ]

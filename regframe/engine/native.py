@@ -95,6 +95,7 @@ class _Run:
         going = places[: level.kept]
         if len(going) == 1:
             trace: list[Progress] = []
+            rng = rng if level.level.optimizer is None else level.stage.optimizer.normals(level.seed)
             steps = level.walk(self.pyramid, going[0].found, rng, trace, self.began, 0)
             warp, report = yield from steps
             walked = [(going[0].walked(warp, report.value), report, trace)]
@@ -145,9 +146,11 @@ class _Level:
     """One level of a run."""
 
     def __init__(self, stage: Stage, setting: Setting, place: tuple[int, int], seed: int) -> None:
-        self.stage, self.setting = followed(stage, setting.beyond), setting
         self.number, self.depth = place
         self.level = stage.levels[self.depth]
+        if self.level.optimizer is not None:
+            stage = stage.model_copy(update={"optimizer": self.level.optimizer})
+        self.stage, self.setting = followed(stage, setting.beyond), setting
         self.seed = self.next_seed = seed
 
     @property

@@ -13,6 +13,8 @@ from regframe.transforms.base import Transform
 from regframe.types import Mask, Params, Points
 
 VARIATION = 0.01  # ITK's small parameter variation
+MOTION = ("shift", "grid-shift")
+"""Scales that make coordinates of motion."""
 RADIUS = 5  # ITK's central region radius
 
 
@@ -50,8 +52,9 @@ def coordinates(
     """The level's coordinates and where in them it begins.
 
     The level begins at parameters in the family's domain, as ITK's levels do. With ``scales = "shift"``
-    one unit of every coordinate moves some corner of the fixed grid by one pixel (or mm). Otherwise
-    coordinates are the parameters themselves and ITK's scales go along.
+    one unit of every coordinate moves some corner of the fixed grid by one pixel (or mm), with "grid-shift"
+    by one spacing of the level's grid. Otherwise coordinates are the parameters themselves and ITK's scales
+    go along.
 
     Raises
     ------
@@ -63,12 +66,14 @@ def coordinates(
     params = stage.transform.advance(params, np.zeros_like(params), frame)
     count, plain = len(params), np.ones_like(params)
     freed = freedom(stage, frame, count)
-    if stage.scales == "shift":
+    if stage.scales in MOTION:
         unit = np.where(freed.free, stage.transform.shift(params, frame), 1.0)
         if not np.all(unit > 0):
             still = [n for n, u in zip(stage.transform.names(frame), unit, strict=True) if not u > 0]
             message = f"The parameters {still} move nothing here, so they cannot be searched. Give `scales`."
             raise GeometryError(message)
+        if stage.scales == "grid-shift":
+            unit = unit / min(level_grid.spacing)
         return Coordinates(params, unit, plain, freed), np.zeros_like(params)
     nowhere = np.zeros_like(params)
     if isinstance(stage.scales, tuple):
@@ -175,7 +180,7 @@ def motion(stage: Stage, params: Params, step: Params, frame: Frame, grids: tupl
     if largest == 0.0:
         return 0.0
     # ITK measures a small step and scales the answer; far steps of a rotation would fold back.
-    estimated = isinstance(stage.scales, str) and stage.scales != "shift"
+    estimated = isinstance(stage.scales, str) and stage.scales not in MOTION
     small = VARIATION / largest if estimated and not curved else 1.0
     kind = stage.scales if isinstance(stage.scales, str) else "physical-shift"
     points = level_grid.points(level_grid.all_indices()) if curved else level_grid.corners()

@@ -62,6 +62,15 @@ def in_its_terms(stage: Stage, warp: Warp, moving: Image, setting: Setting) -> T
             "out, or take the native engine."
         )
         raise NoTwin(message)
+    if any(level.fit is not None or level.optimizer is not None for level in stage.levels):
+        message = (
+            "SimpleITK has levels by whole `shrink` factors and one optimizer for all of them. Leave the "
+            "levels' `fit` and `optimizer` out, or take the native engine."
+        )
+        raise NoTwin(message)
+    if stage.scales == "grid-shift":
+        message = 'SimpleITK does not step by grid points. Write scales = "shift", or take the native engine.'
+        raise NoTwin(message)
     grid, warp = setting.domain.coarsen(stage.levels[0].shrink), taken_up(warp, setting, stage.levels[0])
     whole = followed(stage, setting.beyond)
     space, _ = coordinates(whole, warp.params, warp.frame, grid, moving.grid)

@@ -29,8 +29,8 @@ STARTS = (
     "compose",
     "search",
 )
-Estimator = Literal["shift", "physical-shift", "index-shift", "jacobian"]
-ESTIMATORS = ("shift", "physical-shift", "index-shift", "jacobian")
+Estimator = Literal["shift", "grid-shift", "physical-shift", "index-shift", "jacobian"]
+ESTIMATORS = ("shift", "grid-shift", "physical-shift", "index-shift", "jacobian")
 
 
 def _check_scales(met: object) -> object:
@@ -99,6 +99,10 @@ class Level(Record):
         0.0, ge=0, strict=True, description="Sigma of the Gaussian on both images in pixels (or mm); 0: none."
     )
     iterations: int = Field(300, ge=1, strict=True, description="Most iterations of the optimizer.")
+    optimizer: Annotated[Optimizer, OPTIMIZERS] | None = Field(
+        None,
+        description=("In place of the stage's: a far-seeing one where the image is coarse, say."),
+    )
     sampling: Literal["all", "regular", "random"] = Field(
         "all", description="Which grid points are compared: all, every n-th one jittered, or drawn at random."
     )
@@ -176,7 +180,8 @@ class Stage(Record):
     scales: Scales = Field(
         "shift",
         description=(
-            "The optimizer's unit: pixels (or mm) of motion (`shift`), one of ITK's estimators, or ITK's "
+            "The optimizer's unit: pixels (or mm) of motion (`shift`), points of the level's grid "
+            "(`grid-shift`), one of ITK's estimators, or ITK's "
             "scales as a list, one number a parameter."
         ),
     )
@@ -215,9 +220,11 @@ class Stage(Record):
 
     @model_validator(mode="after")
     def _check_weights(self) -> Self:
-        if self.weights is None or self.optimizer.weighs:
+        others = (level.optimizer for level in self.levels if level.optimizer is not None)
+        useless = next((one for one in (self.optimizer, *others) if not one.weighs), None)
+        if self.weights is None or useless is None:
             return self
-        name = OPTIMIZERS.name_of(self.optimizer)
+        name = OPTIMIZERS.name_of(useless)
         text = (
             f"the optimizer {name!r} does not walk along slopes, so it has no use for weights. Got "
             f"{list(self.weights)!r}. Write frozen = [...] with the names of parameters that must stay."

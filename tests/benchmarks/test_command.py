@@ -40,6 +40,12 @@ def seconds(command: list[str], **environment: str) -> float:
     return time.perf_counter() - began
 
 
+def processor_seconds() -> float:
+    """Of all processes that were started here and have ended; a busy neighbour does not change them."""
+    spent = os.times()
+    return spent.children_user + spent.children_system
+
+
 def ours(frames, out, *options: str) -> list[str]:
     return [
         *(sys.executable, "-m", "regframe", "register", *map(str, frames)),
@@ -86,11 +92,13 @@ def test_first_run_compiles_within_8_seconds(frames, tmp_path, capsys):
     cache = tmp_path / "cache"
     command = ours(frames, tmp_path / "out", "--no-figures")
 
-    cold = seconds(command, NUMBA_CACHE_DIR=str(cache))
-    warm = seconds(command, NUMBA_CACHE_DIR=str(cache))
+    before = processor_seconds()
+    seconds(command, NUMBA_CACHE_DIR=str(cache))
+    between = processor_seconds()
+    seconds(command, NUMBA_CACHE_DIR=str(cache))
 
-    extra = cold - warm
-    told(capsys, f"first run ever: {extra:.1f} s longer than a warm one, target 8 s")
+    extra = (between - before) - (processor_seconds() - between)
+    told(capsys, f"first run ever: {extra:.1f} s of a processor more than a warm one, target 8 s")
     assert extra < 2 * 8
 
 

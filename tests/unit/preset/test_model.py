@@ -213,8 +213,8 @@ def test_scales_are_told_in_one_line(tree, scales):
     tree["stages"][0]["scales"] = scales
 
     assert faults(tree) == [
-        "stages.0.scales: must be 'shift', 'physical-shift', 'index-shift', 'jacobian' or a list of numbers "
-        f"above 0, one a parameter. Got {scales!r}."
+        "stages.0.scales: must be 'shift', 'grid-shift', 'physical-shift', 'index-shift', 'jacobian' or a "
+        f"list of numbers above 0, one a parameter. Got {scales!r}."
     ]
 
 
@@ -259,6 +259,7 @@ def test_dump_writes_every_default_out(base):
         "fit": None,
         "smooth": 0.0,
         "iterations": 300,
+        "optimizer": None,
         "sampling": "all",
         "fraction": 1.0,
         "refine": None,
