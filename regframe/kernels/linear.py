@@ -123,11 +123,12 @@ def _locate_plane(row: int, left: int, shape: Bins, matrix: Matrix, t: Matrix, b
         floor_x, floor_y = np.floor(cx), np.floor(cy)
         tx[k], ty[k] = cx - floor_x, cy - floor_y
         base[k] = floor_y * width + floor_x
-    inner = True
-    for x in (start, start + (CHUNK - 1)):
+    inner = 0
+    for k in range(0, CHUNK, CHUNK - 1):
+        x = start + columns[k]
         cx, cy = (mx * x + x1) + x3, (my * x + y1) + y3
-        inner = inner & (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y)
-    if inner:  # all is: rounding keeps order, so a coordinate rises or falls all along a row
+        inner += (cx >= 0.0) & (cx < last_x) & (cy >= 0.0) & (cy < last_y)
+    if inner == 2:  # both ends: all, for rounding keeps order, so a coordinate rises or falls all along a row
         return
     for k in range(CHUNK):
         x = start + columns[k]
@@ -165,7 +166,8 @@ def _locate_space(
 def _chunk() -> tuple[Matrix, Values]:
     """Room for `t` and `base` of a chunk; `t` ends with room for values."""
     t = np.empty((5, CHUNK))
-    t[3] = np.arange(CHUNK)
+    for k in range(CHUNK):
+        t[3, k] = k
     return t, np.empty(CHUNK)
 
 

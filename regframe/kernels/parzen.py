@@ -36,12 +36,8 @@ def _locate(
         place = (value if counts else low) * scale - offset
         left = min(max(np.floor(place), 2.0), last)
         cells[k], places[k], shares[k] = row + left, place - left, share if counts else 0.0
-
-
-@kernel
-def _cells(partial: Volume, block: int) -> Values:
-    """A block's numbers, by four within one line of memory: crossing lines costs a fifth of the sums."""
-    return partial[block].ravel()[-(partial.ctypes.data >> 3) & 3 :]
+    for k in range(count, CHUNK):
+        cells[k] = places[k] = shares[k] = 0.0
 
 
 @kernel
@@ -58,18 +54,16 @@ def moments(
     """Per block: (bins * bins, 4) sums of weight * t**q by fixed bin and first moving bin.
 
     `rows` is bins * fixed bin; `axis` holds lowest and highest value, 1 / bin width and minimum in bins.
-    `partial` has one cell more in each block, the room that `_cells` takes.
     """
-    n, found = len(moving), np.zeros((3, CHUNK))
+    n, found = len(moving), np.empty((3, CHUNK))
     places, steps, shares = found[0], found[1], found[2]
     for block in range(first, last):
-        cells = _cells(partial, block)
+        cells = partial[block].ravel()
         cells[:] = 0.0
         end = n * (block + 1) // len(partial)
         for start in range(n * block // len(partial), end, CHUNK):
             count = min(CHUNK, end - start)
             _locate(U(start), moving, weight, rows, axis, bins, found, count)
-            shares[count:] = 0.0
             for k in range(U(0), U(count), U(4)):
                 add_powers(cells, places, steps, shares, k)
 
@@ -77,15 +71,16 @@ def moments(
 @kernel
 def histogram(partial: Volume, bins: int, joint: Matrix) -> None:
     """Sum the blocks in order and spread the moments over the four bins of each window."""
-    sixth, sums = 1.0 / 6.0, np.zeros(4 * bins * bins)
-    for block in range(len(partial)):
-        cells = _cells(partial, block)
-        for i in range(U(len(sums))):
-            sums[i] += cells[i]
+    sixth = 1.0 / 6.0
     for k in range(bins):
         for left in range(1, bins - 2):
-            cell = U(4 * (k * bins + left))
-            m0, m1, m2, m3 = sums[cell], sums[cell + U(1)], sums[cell + U(2)], sums[cell + U(3)]
+            m0 = m1 = m2 = m3 = 0.0
+            for block in range(len(partial)):
+                cell = partial[block, k * bins + left]
+                m0 += cell[0]
+                m1 += cell[1]
+                m2 += cell[2]
+                m3 += cell[3]
             if m0 == 0.0:
                 continue
             joint[k, left - 1] += sixth * (m0 - 3.0 * m1 + 3.0 * m2 - m3)

@@ -43,7 +43,7 @@ def prepared(pairs: Pairs, bins: int) -> Axes:
 def joint_of(pairs: Pairs, bins: int) -> tuple[Matrix, float]:
     """Joint probability, (bins, bins), fixed by rows; and the weight of all samples that count."""
     # Not zeroed here: fresh pages cost as much as the sums, a block that was used before costs nothing.
-    partial = np.empty((BLOCKS, bins * bins + 1, 4))
+    partial = np.empty((BLOCKS, bins * bins, 4))
     joint = np.zeros((bins, bins))
     share(parzen.moments, BLOCKS, pairs.moving, pairs.weight, *prepared(pairs, bins), bins, partial)
     parzen.histogram(partial, bins, joint)

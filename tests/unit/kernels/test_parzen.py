@@ -15,7 +15,7 @@ def histogram(fixed, moving, weight, blocks=3):
     width = (RANGE[1] - RANGE[0]) / (BINS - 4)
     row = np.clip(np.trunc(fixed / width - (RANGE[0] / width - 2)), 2, BINS - 3).astype(np.int32)
     axis = np.array([*RANGE, 1 / width, RANGE[0] / width - 2])
-    partial, joint = np.full((blocks, BINS * BINS + 1, 4), 7.0), np.zeros((BINS, BINS))
+    partial, joint = np.full((blocks, BINS * BINS, 4), 7.0), np.zeros((BINS, BINS))
     parzen.moments(0, blocks, moving, weight, BINS * row, axis, BINS, partial)
     parzen.histogram(partial, BINS, joint)
     return joint / joint.sum()
