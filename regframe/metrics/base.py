@@ -123,6 +123,7 @@ class Metric(Component):
         pairs : Pairs
             A whole fixed grid; `pairs.moving` is not filled in yet.
         lattice : tuple of int
-            Large enough for both grids side by side as far as translations are of interest.
+            Large enough for both grids side by side as far as translations are of interest; its lengths are
+            of those that `regframe.kernels.fourier.lattice` gives.
         """
         return None
