@@ -51,7 +51,10 @@ def preset(order, factors, mesh, **changes):
     return parse({"stages": [stage]})
 
 
-@pytest.mark.parametrize("grid", GRIDS.values(), ids=GRIDS)
+@pytest.mark.parametrize(
+    "grid",
+    [pytest.param(grid, id=name, marks=[pytest.mark.slow] * (grid.dim == 3)) for name, grid in GRIDS.items()],
+)
 @pytest.mark.parametrize("order", [2, 3])
 @pytest.mark.parametrize("factors", [(1, 2, 4), (0, 1, 2), (2, 0, 1)], ids=str)
 def test_both_engines_refine_alike(grid, order, factors):

@@ -35,6 +35,7 @@ def test_what_it_proposes_next_works(regframe):
     assert [regframe(*line).code for line in proposed] == [0, 0, 0]
 
 
+@pytest.mark.slow
 def test_a_second_demo_takes_a_folder_of_its_own(tmp_path, regframe):
     regframe("demo")
 
@@ -43,6 +44,7 @@ def test_a_second_demo_takes_a_folder_of_its_own(tmp_path, regframe):
     assert (tmp_path / f"{command.FOLDER}-2" / "aligned.png").is_file()
 
 
+@pytest.mark.slow
 def test_a_named_folder_with_a_result_is_refused(regframe):
     regframe("demo", "--out", "mine")
 

@@ -4,6 +4,7 @@ from unit.test_plugins import GOOD, clean  # noqa: F401 - an autouse fixture
 from regframe.preset import names
 
 
+@pytest.mark.slow
 def test_every_preset_is_run_and_timed(regframe):
     outcome = regframe("warmup")
 
