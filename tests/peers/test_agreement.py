@@ -38,6 +38,7 @@ def test_a_component_has_a_line_without_an_empty_cell(name, written):
     assert all(cell.strip() for cell in written[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_line_is_true(name, written, measured):
     twin, way, within, relation = (cell.strip() for cell in written[name])
@@ -48,6 +49,7 @@ def test_the_line_is_true(name, written, measured):
     assert row.within is None or row.within <= 10 * promised(within)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHIPPED)
 def test_what_has_a_twin_agrees_with_it(name, measured):
     row = measured[name]
@@ -61,6 +63,7 @@ def set_up():
     return {row.name: row for row in settings.rows()}
 
 
+@pytest.mark.slow
 def test_a_setting_has_a_line_that_is_true(written, set_up):
     for name, row in set_up.items():
         assert name in written, "run `make docs`"
