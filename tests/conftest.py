@@ -1,6 +1,7 @@
 """What all tests share: where the real data are, and how hypothesis runs."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -36,3 +37,17 @@ def data() -> Path:
     if not (DATA / "pairs.csv").is_file():
         pytest.skip("the real images are not here: set REGFRAME_DATA to their folder")
     return DATA
+
+
+@pytest.fixture
+def forgotten():
+    """What a test registers, or loads from a plugin's file, is taken back."""
+    from regframe import plugins
+    from regframe.catalog import KINDS
+
+    yield
+    for registry in KINDS.values():
+        for name in registry.added():
+            registry.forget(name)
+    for name in [name for name in sys.modules if name.startswith(plugins.FILE_MODULE)]:
+        del sys.modules[name]

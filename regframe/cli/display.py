@@ -110,8 +110,7 @@ class Display:
         stages = self._preset.stages
         levels = stages[at.stage].levels
         level = levels[at.level]
-        size = f"shrink {level.shrink}" if level.fit is None else f"fit {level.fit}"
-        words = f"level {at.level + 1}/{len(levels)} ({size})"
+        words = f"level {at.level + 1}/{len(levels)} ({level.resolution})"
         return words if len(stages) == 1 else f"stage {at.stage + 1}/{len(stages)}, {words}"
 
     def _picture(self, at: "Progress") -> "Group":

@@ -116,7 +116,10 @@ def _parameters(cls: "type[Any]") -> None:
 
 def _level(level: "Level") -> str:
     """Its iterations and size, in a few words."""
-    return f"{level.iterations} at " + (f"fit {level.fit}" if level.fit else f"shrink {level.shrink}")
+    from regframe.catalog import OPTIMIZERS
+
+    own = f" by {OPTIMIZERS.name_of(level.optimizer)}" if level.optimizer is not None else ""
+    return f"{level.iterations} at {level.resolution}{own}"
 
 
 def _preset(name: str) -> None:

@@ -1,7 +1,7 @@
 """What a preset holds: filters, stages, levels, and which combinations are possible."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic_core import InitErrorDetails
@@ -18,7 +18,7 @@ from regframe.transforms.base import Transform
 
 LARGEST_SEED = 2**32 - 1
 
-STARTS = (
+Place = Literal[
     "centres",
     "identity",
     "moments",
@@ -27,10 +27,10 @@ STARTS = (
     "fields-of-view",
     "previous",
     "compose",
-    "search",
-)
+]
+STARTS = (*get_args(Place), "search")
 Estimator = Literal["shift", "grid-shift", "physical-shift", "index-shift", "jacobian"]
-ESTIMATORS = ("shift", "grid-shift", "physical-shift", "index-shift", "jacobian")
+ESTIMATORS = get_args(Estimator)
 
 
 def _check_scales(met: object) -> object:
@@ -66,20 +66,7 @@ def _check_start(met: object) -> object:
     raise ValueError(message)
 
 
-Start = Annotated[
-    Literal[
-        "centres",
-        "identity",
-        "moments",
-        "principal-axes",
-        "itk-principal-axes",
-        "fields-of-view",
-        "previous",
-        "compose",
-    ]
-    | Search,
-    BeforeValidator(_check_start),
-]
+Start = Annotated[Place | Search, BeforeValidator(_check_start)]
 
 
 class Level(Record):
@@ -101,7 +88,7 @@ class Level(Record):
     iterations: int = Field(300, ge=1, strict=True, description="Most iterations of the optimizer.")
     optimizer: Annotated[Optimizer, OPTIMIZERS] | None = Field(
         None,
-        description=("In place of the stage's: a far-seeing one where the image is coarse, say."),
+        description="In place of the stage's: a far-seeing one where the image is coarse, say.",
     )
     sampling: Literal["all", "regular", "random"] = Field(
         "all", description="Which grid points are compared: all, every n-th one jittered, or drawn at random."
@@ -122,6 +109,11 @@ class Level(Record):
             "control points keep the motion found at them. None leaves the mesh as it is."
         ),
     )
+
+    @property
+    def resolution(self) -> str:
+        """How coarse the level is, in the words of its field."""
+        return f"shrink {self.shrink}" if self.fit is None else f"fit {self.fit}"
 
     @field_validator("fraction", mode="before")
     @classmethod

@@ -21,6 +21,9 @@ DPI = 100
 DECADE = 10
 SMALL, PLAIN = 8.5, 9.5
 NAME_LENGTH = 40
+OWN_UNIT = "optimizer's unit"
+UNITS = {"shift": "pixels or mm", "grid-shift": "points of the level's grid"}
+"""What steps are counted in."""
 # Okabe and Ito's palette, which keeps apart for every kind of colour vision.
 VERMILION, BLUE, INK, SHADE = "#D55E00", "#0072B2", "#404040", "#EEEEEE"
 
@@ -103,7 +106,8 @@ def convergence(result: Result) -> "Figure":
     _by_decades(lower, [step.size for step in result.trace])
     upper.tick_params(labelbottom=False)
     upper.margins(y=0.15)
-    unit = "pixels or mm" if result.preset.stages[-1].scales == "shift" else "optimizer's unit"
+    scales = result.preset.stages[-1].scales
+    unit = UNITS.get(scales, OWN_UNIT) if isinstance(scales, str) else OWN_UNIT
     _labels(upper, "", "metric value,\nlower is better", room=0.6)
     _labels(lower, "metric evaluations", f"step size,\n{unit}", room=0.6)
     _name_levels(upper, result, courses)
@@ -119,7 +123,7 @@ def _lines(axes: "Axes", courses: Sequence[Course], field: str, colour: str) -> 
 
 
 def _name_levels(axes: "Axes", result: Result, courses: Sequence[Course]) -> None:
-    """Write each level's shrink factor above its part, where there is room."""
+    """Write how coarse each level is above its part, where there is room."""
     several = len(result.preset.stages) > 1
     for report, course in zip(result.levels, courses, strict=True):
         if course.last - course.first < 0.1 * courses[-1].last:
@@ -129,7 +133,7 @@ def _name_levels(axes: "Axes", result: Result, courses: Sequence[Course]) -> Non
         axes.text(
             (course.first + course.last) / 2,
             0.97,
-            f"{words}level {report.level + 1}: shrink {level.shrink}",
+            f"{words}level {report.level + 1}: {level.resolution}",
             transform=axes.get_xaxis_transform(),
             horizontalalignment="center",
             verticalalignment="top",

@@ -12,7 +12,7 @@ import regframe
 from regframe.catalog import FILTERS, INTERPOLATORS
 from regframe.interpolators.base import Samples
 from regframe.testing.phantoms import corner_error, misalignment, smooth_pair, visual_thermal
-from support.plugins import FOLDERS, install
+from support.plugins import everywhere
 
 pytestmark = pytest.mark.slow
 SEEDS = (1, 2, 3)
@@ -22,10 +22,7 @@ WIDE = regframe.Grid.of_shape((240, 320))
 @pytest.fixture(autouse=True)
 def plugins(tmp_path, monkeypatch):
     """All of them, as good as installed."""
-    for folder in FOLDERS:
-        install(folder, tmp_path)
-        monkeypatch.syspath_prepend(folder)
-    monkeypatch.syspath_prepend(tmp_path)
+    everywhere(tmp_path, monkeypatch)
 
 
 def test_cma_es_beside_one_plus_one():

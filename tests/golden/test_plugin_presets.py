@@ -6,7 +6,7 @@ from scipy import ndimage
 
 import regframe
 from regframe.testing.phantoms import corner_error, misalignment, smooth_pair, visual_thermal
-from support.plugins import FOLDERS, install
+from support.plugins import everywhere
 
 WIDE = regframe.Grid.of_shape((240, 320))
 
@@ -14,10 +14,7 @@ WIDE = regframe.Grid.of_shape((240, 320))
 @pytest.fixture(autouse=True)
 def plugins(tmp_path, monkeypatch):
     """All of them, as good as installed."""
-    for folder in FOLDERS:
-        install(folder, tmp_path)
-        monkeypatch.syspath_prepend(folder)
-    monkeypatch.syspath_prepend(tmp_path)
+    everywhere(tmp_path, monkeypatch)
 
 
 def moved(image, away):

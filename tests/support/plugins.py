@@ -28,6 +28,14 @@ def package(folder: Path) -> Path:
     return found
 
 
+def everywhere(into: Path, monkeypatch: Any) -> None:
+    """All of them on the path, as good as installed."""
+    for folder in FOLDERS:
+        install(folder, into)
+        monkeypatch.syspath_prepend(folder)
+    monkeypatch.syspath_prepend(into)
+
+
 def install(folder: Path, into: Path) -> None:
     """Write what an installer would write about a distribution, but for its code."""
     table = project(folder)

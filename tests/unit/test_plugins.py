@@ -1,47 +1,17 @@
 """A user's own files: named, loaded, and told apart when they are faulty."""
 
-import sys
-
 import pytest
 
 from regframe import plugins
-from regframe.catalog import FILTERS, KINDS, METRICS
+from regframe.catalog import FILTERS, METRICS
 from regframe.errors import PresetError
 from regframe.preset import load as load_preset
 from regframe.preset import parse
 from regframe.testing import verify
+from support.plugin_files import GOOD, HALFWAY, REGISTERED, TAKEN
 
-GOOD = '''
-from regframe import Metric
+pytestmark = pytest.mark.usefixtures("forgotten")
 
-class LeastDistance(Metric):
-    """Mean absolute difference (Brown, 1992); infinite without weight."""
-
-    def value(self, pairs):
-        mass = pairs.weight.sum()
-        return float((pairs.weight * abs(pairs.fixed - pairs.moving)).sum() / mass) if mass else float("inf")
-'''
-REGISTERED = '''
-from regframe import FILTERS, Filter
-
-@FILTERS.register("chosen")
-class Something(Filter):
-    """Leaves everything as it is."""
-
-    def __call__(self, image):
-        return image
-'''
-TAKEN = (
-    GOOD
-    + '''
-
-class Mattes(Metric):
-    """Its name is taken (nobody, 1999)."""
-
-    def value(self, pairs):
-        return 0.0
-'''
-)
 ABSTRACT = '''
 from regframe import Metric
 
@@ -69,18 +39,6 @@ class Mine:
     def value(self, pairs):
         return 0.0
 """
-HALFWAY = REGISTERED + "\nraise RuntimeError('no gpu')\n"
-
-
-@pytest.fixture(autouse=True)
-def clean():
-    """What a test registers is taken back."""
-    yield
-    for registry in KINDS.values():
-        for name in registry.added():
-            registry.forget(name)
-    for name in [name for name in sys.modules if name.startswith(plugins.FILE_MODULE)]:
-        del sys.modules[name]
 
 
 @pytest.fixture

@@ -64,3 +64,9 @@ def test_a_misspelt_name_is_told(regframe):
 
     assert outcome.code == 2
     assert "Did you mean 'mattes'?" in outcome.err
+
+
+def test_a_presets_levels_are_told_as_they_are_written(regframe):
+    outcome = regframe("explain", "visual-thermal")
+
+    assert "25 at fit 150 by nelder-mead, 12 at fit 300, 20 at fit 512" in outcome.out

@@ -1,10 +1,12 @@
 """``--plugin`` and the configuration on the command line."""
 
 import pytest
-from unit.test_plugins import GOOD, HALFWAY, TAKEN, clean  # noqa: F401 - an autouse fixture
 
 from regframe import plugins
 from regframe.catalog import METRICS
+from support.plugin_files import GOOD, HALFWAY, TAKEN
+
+pytestmark = pytest.mark.usefixtures("forgotten")
 
 
 @pytest.fixture

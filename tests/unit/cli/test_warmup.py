@@ -1,7 +1,9 @@
 import pytest
-from unit.test_plugins import GOOD, clean  # noqa: F401 - an autouse fixture
 
 from regframe.preset import names
+from support.plugin_files import GOOD
+
+pytestmark = pytest.mark.usefixtures("forgotten")
 
 
 @pytest.mark.slow

@@ -3,12 +3,15 @@
 from hashlib import sha256
 from pathlib import Path
 
-from unit.test_plugins import GOOD, clean  # noqa: F401 - an autouse fixture
+import pytest
 
 from regframe import Metric, plugins
 from regframe.engine.provenance import plugins as told
 from regframe.preset import load
+from support.plugin_files import GOOD
 from support.plugins import FOLDERS, install
+
+pytestmark = pytest.mark.usefixtures("forgotten")
 
 
 class Bare(Metric):
