@@ -1,5 +1,6 @@
 """Places that a search found, and how they fared."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -23,7 +24,7 @@ class Candidate:
     value : float
         The metric where it was seen, on the search's grid; lower is better.
     overlap : float
-        Share of the smaller frame that lies within the larger.
+        Share of the smaller frame that lies within the larger, where it was found.
     values : tuple of float
         The metric at the end of each level that it went through.
     """
@@ -44,20 +45,29 @@ class Place:
     value: float = float("nan")
     overlap: float = float("nan")
     values: tuple[float, ...] = ()
+    within: bool = True  # the bounds of the search
+    met: float = float("nan")  # share of the fixed image
 
-    def walked(self, warp: Warp, value: float) -> Self:
-        """The place after one more level."""
-        return replace(self, found=warp, values=(*self.values, value))
+    def walked(self, warp: Warp, value: float, shares: tuple[float, float], *, within: bool) -> Self:
+        """The place after one more level, which may have led to where less overlaps, or beyond the bounds.
 
-    def rank(self, metric: Metric) -> float:
-        """What places are sorted by, lower first: the value, less sure where little overlaps.
+        `shares` are those of the smaller frame and of the fixed image.
+        """
+        values, (overlap, met) = (*self.values, value), shares
+        return replace(self, found=warp, values=values, overlap=overlap, met=met, within=within)
 
-        By chance alone the correlation of n independent points strays from 0 by 1 / sqrt(n).
+    def rank(self, metric: Metric) -> tuple[bool, float]:
+        """What places are sorted by, lower first: those within bounds by value, less sure for few points.
+
+        By chance alone the correlation of n independent points strays from 0 by 1 / sqrt(n), so that little
+        overlap says less. That a frame is small to begin with counts by half the power: what is alike by
+        structure strays as far however few points it holds.
         """
         value = self.values[-1] if self.values else self.value
-        if metric.unrelated is None or not np.isfinite(self.overlap):
-            return value
-        return metric.unrelated + (value - metric.unrelated) * float(np.sqrt(self.overlap))
+        if metric.unrelated is not None and np.isfinite(self.met):
+            sure = math.sqrt(self.overlap) * (self.met / self.overlap) ** 0.25 if self.overlap > 0.0 else 0.0
+            value = metric.unrelated + (value - metric.unrelated) * sure
+        return not self.within, value
 
     def candidate(self, setting: Setting) -> Candidate:
         """The same with the whole ways from the fixed to the moving image."""

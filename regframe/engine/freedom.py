@@ -108,6 +108,8 @@ class Shown:
 
     def whole(self, at: Params) -> Params:
         """All coordinates, of free ones (..., q)."""
+        if len(self.scales) == len(self.origin):
+            return at
         found = np.broadcast_to(self.origin, (*at.shape[:-1], len(self.origin))).copy()
         found[..., self.free] = at
         return found
@@ -130,6 +132,8 @@ class Shown:
         return self.problem.motion(self.whole(at), self._still(step))
 
     def _still(self, step: Params) -> Params:
+        if len(self.scales) == len(self.origin):
+            return step
         found = np.zeros_like(self.origin)
         found[self.free] = step
         return found

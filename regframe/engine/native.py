@@ -7,15 +7,17 @@ from typing import Any, final
 from regframe.engine.averaging import Pyramid, fitted
 from regframe.engine.base import Engine, LevelReport, Progress, Result
 from regframe.engine.candidate import Candidate, Place
+from regframe.engine.carried import CarriedObjective
 from regframe.engine.choice import Choice
 from regframe.engine.followed import followed
 from regframe.engine.freedom import shown
 from regframe.engine.keeping import chosen, held_out_gains
 from regframe.engine.objective import Objective
+from regframe.engine.overlap import shares
 from regframe.engine.provenance import provenance
-from regframe.engine.scales import coordinates
+from regframe.engine.scales import Coordinates, coordinates
 from regframe.engine.scene import Scene, prepare
-from regframe.engine.search import search
+from regframe.engine.search import search, within
 from regframe.engine.setting import Placement, Setting, begun, opened, taken_up
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
@@ -98,7 +100,7 @@ class _Run:
             rng = rng if level.level.optimizer is None else level.stage.optimizer.normals(level.seed)
             steps = level.walk(self.pyramid, going[0].found, rng, trace, self.began, 0)
             warp, report = yield from steps
-            walked = [(going[0].walked(warp, report.value), report, trace)]
+            walked = [(level.ended(self.pyramid, going[0], warp, report), report, trace)]
         else:
             walked = self.side_by_side(level, going)
             for _, _, trace in walked:
@@ -123,7 +125,7 @@ class _Run:
                 trace: list[Progress] = []
                 rng = level.stage.optimizer.normals(level.seed + i)
                 end = exhausted(level.walk(self.pyramid, going[i].found, rng, trace, self.began, i))
-                walked[i] = (going[i].walked(end[0], end[1].value), end[1], trace)
+                walked[i] = (level.ended(self.pyramid, going[i], *end), end[1], trace)
 
         share(walk, len(going))
         return [one for one in walked if one is not None]
@@ -178,7 +180,7 @@ class _Level:
         warp = taken_up(warp, self.setting, self.level)
         scene, self.next_seed = self.scene(pyramid, warp)
         space, at = coordinates(self.stage, warp.params, warp.frame, scene.grid, pyramid.images[1].grid)
-        objective = Objective(self.stage, scene, warp.frame, space)
+        objective = self.objective(scene, warp, space)
         problem = shown(objective, self.stage, at, space.free)
         steps = self.stage.optimizer.steps(problem, at[problem.free], rng)
         limit, before = self.level.iterations, len(trace)
@@ -198,6 +200,19 @@ class _Level:
         return found, self.report(
             scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
         )
+
+    def objective(self, scene: Scene, warp: Warp, space: Coordinates) -> Objective:
+        """What is made small, about a warp."""
+        if self.level.carried:
+            return CarriedObjective(self.stage, scene, warp.frame, space, warp.params)
+        return Objective(self.stage, scene, warp.frame, space)
+
+    def ended(self, pyramid: Pyramid, place: Place, warp: Warp, report: LevelReport) -> Place:
+        """A place after its walk."""
+        fixed, moving = (image.grid for image in pyramid.images)
+        whole = self.setting.whole(warp)
+        inside = not isinstance(self.start, Search) or within(self.start, whole, fixed, moving)
+        return place.walked(warp, report.value, shares(whole, fixed, moving), within=inside)
 
     def ready(self, pyramid: Pyramid, places: tuple[Place, ...]) -> None:
         """Average what the places need, before threads ask for it."""

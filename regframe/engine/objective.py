@@ -1,5 +1,7 @@
 """The metric as a function of an optimizer's coordinates."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -96,7 +98,7 @@ class Objective:
         return Pairs(scene.fixed, moving, weight, *ranges, shape, prepared, single)
 
     def _counted(self, value: float) -> float:
-        if not np.isfinite(value):
+        if not math.isfinite(value):
             value = float("inf")
         if self.evaluations == 0:
             self.first = value

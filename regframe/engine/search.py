@@ -14,13 +14,15 @@ from regframe.engine.setting import Setting
 from regframe.engine.start import base_scale, placed_on
 from regframe.errors import GeometryError, NoOverlapError
 from regframe.geometry import AffineMap, Frame, Grid
+from regframe.image import Image
 from regframe.interpolators.base import Samples
 from regframe.interpolators.linear import Linear
 from regframe.kernels.fourier import lattice
 from regframe.kernels.jit import share
-from regframe.metrics.base import Pairs
+from regframe.metrics.base import Pairs, Turned, Turning
 from regframe.preset import Search, Stage
 from regframe.transforms.linear import about, turn
+from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params, Points, Scores, Volume
 
 EACH = 3
@@ -75,12 +77,24 @@ def tried(stage: Stage, pyramid: Pyramid, setting: Setting) -> list[Place]:
         message = f"start: a search is for 2-D images. Got {dim}-D. Begin with centres or moments."
         raise GeometryError(message)
     field = _Field(stage, options, pyramid, setting)
-    scales = [_Scale(field, scale) for scale in field.scales()]
+    factors = field.scales()
+    made: list[_Scale | None] = [None] * len(factors)
+    for scale in factors:
+        field.small(scale)
+    share(partial(_make_scales, field, factors, made), len(factors))
+    scales = [one for one in made if one is not None]
     # Turn by turn, so that parts of the list are equally large canvases' work.
     places = [(scale, angle) for angle in field.turns() for scale in scales]
     found: list[list[Place]] = [[] for _ in places]
     share(partial(_score_places, places, found), len(places))
     return sorted((one for few in found for one in few), key=lambda one: one.rank(stage.metric))
+
+
+def _make_scales(
+    field: "_Field", scales: list[float], made: list["_Scale | None"], first: int, last: int
+) -> None:
+    for i in range(first, last):
+        made[i] = _Scale(field, scales[i])
 
 
 def _score_places(
@@ -106,6 +120,19 @@ def distinct(ranked: list[Place], most: int, grid: Grid, apart: float) -> tuple[
     return tuple(kept)
 
 
+def within(options: Search, warp: Warp | Chain, fixed: Grid, moving: Grid) -> bool:
+    """Whether a map that was found keeps to a search's rotations and scales, give or take a step of them."""
+    affine = warp.as_affine()
+    if affine is None:
+        return True
+    slack = options.step / options.size * 2.0
+    (a, b), (c, d) = affine.matrix
+    angle, scale = np.arctan2(c - b, a + d), np.sqrt(abs(a * d - b * c)) / base_scale(options, fixed, moving)
+    low, high = options.scale
+    turned = abs(angle) <= np.deg2rad(options.rotation_deg) + slack
+    return bool(turned and low * (1.0 - slack) <= scale <= high * (1.0 + slack))
+
+
 class _Field:
     """What a search looks at: the small fixed image, the moving one at some sizes, the bounds."""
 
@@ -128,6 +155,11 @@ class _Field:
             moving.range(),
             self.grid.shape,
         )
+        self.mass = float(weight.sum())
+
+    def small(self, scale: float) -> Image:
+        """The moving image averaged to about the spacing of the grid, at a scale."""
+        return self.pyramid.averaged(1, reduction(self.grid, self.moving.grid, self.unit * scale))
 
     def turns(self) -> list[float]:
         """Rotations (radians) that are tried, as far as the family has them."""
@@ -157,7 +189,7 @@ class _Scale:
     def __init__(self, field: _Field, scale: float) -> None:
         self.field, self.magnification = field, field.unit * scale
         moving, grid = field.moving, field.grid
-        self.moving = field.pyramid.averaged(1, reduction(grid, moving.grid, self.magnification))
+        self.moving = field.small(scale)
         lengths = [
             max(n * s, m * r / self.magnification) / s
             for n, s, m, r in zip(
@@ -177,31 +209,45 @@ class _Scale:
         metric = field.stage.metric
         self.translations = metric.translations(field.pairs, self.shape)
         self.prepared = metric.prepare(field.pairs) if self.translations is None else None
+        self.upright = self._canvas_grid(self._centred(0.0))
+        values, weight = self._canvas(self.upright, self._centred(0.0))
+        self.mass = float(weight.sum())
+        self.turned: Turned | None = None
+        if isinstance(self.translations, Turning):
+            self.turned = self.translations.upright(values, weight)
 
     def score(self, angle: float) -> list[Place]:
         """The best few shifts at a rotation."""
         field, shape, centred = self.field, self.shape, self._centred(angle)
         grid = self.canvases[angle]
-        values, weight = self._canvas(grid, centred)
         # Translation t lets fixed x meet canvas x + t; the two centres meet at `met`.
         met = np.rint(field.grid.point_to_index(np.array([grid.origin]))[0, ::-1]).astype(int)
         off = [(np.arange(n) + f + n // 2) % n - n // 2 for n, f in zip(shape, met, strict=True)]
         scored: Scores
         shared: Scores
-        if self.translations is None:
-            scored, shared = self._one_by_one(values, weight, off, (int(met[0]), int(met[1])))
+        if self.turned is not None:
+            onto = self.upright.point_to_index @ self._centred(0.0).inverse() @ centred
+            index_map = (onto @ grid.index_to_point).reversed_axes().homogeneous()[:-1]
+            scored, shared = self.turned(index_map, (grid.shape[0], grid.shape[1]), angle)
+        elif self.translations is not None:
+            scored, shared = self.translations(*self._canvas(grid, centred))
         else:
-            scored, shared = self.translations(values, weight)
+            at = (int(met[0]), int(met[1]))
+            scored, shared = self._one_by_one(*self._canvas(grid, centred), off, at)
         near = (np.abs(off[0]) <= self.reach[0])[:, None] & (np.abs(off[1]) <= self.reach[1])[None]
-        smaller = min(float(field.pairs.weight.sum()), float(weight.sum()))
+        smaller = min(field.mass, self.mass)
         overlap = shared / max(smaller, 1.0)
-        bounded = np.where(near & (overlap >= field.options.overlap), scored, np.inf)
+        allowed = near & (overlap >= field.options.overlap)
+        bounded = np.where(allowed, scored, np.inf)
         found = []
         for y, x in _lowest(bounded, EACH):
             shift = field.grid.index_to_point.matrix @ np.array([off[1][x], off[0][y]], np.float64)
             affine = centred @ AffineMap(np.eye(2), shift)
             warp = placed_on(field.stage, affine, field.moving.grid, field.setting)
-            found.append(Place(warp, warp, float(scored[y, x]), float(overlap[y, x])))
+            place = Place(
+                warp, warp, float(scored[y, x]), float(overlap[y, x]), met=float(shared[y, x]) / field.mass
+            )
+            found.append(place)
         return found
 
     def _centred(self, angle: float) -> AffineMap:

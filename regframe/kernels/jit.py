@@ -148,6 +148,104 @@ def _add_powers(_: Any, array: Any, cells: Any, t: Any, shares: Any, k: Any) -> 
     return numba.void(array, cells, t, shares, k), generate
 
 
+@intrinsic
+def _meet_channels(
+    _: Any, sums: Any, fixed: Any, at: Any, moving: Any, place: Any, width: Any, tx: Any, ty: Any
+) -> Any:
+    """Add one point's share to what a correlation of channels is made of, four float32 lanes at once.
+
+    Of both flat arrays a point is four neighbours: three channels and a weight. The moving ones are those
+    at `place`, blended with the next point and those `width` further on by `tx, ty`. With w the product of
+    both weights, `sums` gains w f, w m, w f m, w f f and w m m, four lanes each; the last lane of the first
+    is the mass.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        where = _where(context, builder, signature, arguments)
+        f, m, w, _, _ = _met(builder, where, arguments)
+        f = builder.insert_element(f, ir.Constant(ir.FloatType(), 1.0), ir.IntType(32)(3))
+        wf, wm = builder.fmul(w, f), builder.fmul(w, m)
+        parts = (wf, wm, builder.fmul(wf, m), builder.fmul(wf, f), builder.fmul(wm, m))
+        _add_lanes(builder, where, parts)
+        return context.get_dummy_value()
+
+    return numba.void(sums, fixed, at, moving, place, width, tx, ty), generate
+
+
+@intrinsic
+def _pull_channels(
+    _: Any,
+    sums: Any,
+    fixed: Any,
+    at: Any,
+    moving: Any,
+    place: Any,
+    width: Any,
+    tx: Any,
+    ty: Any,
+    shares: Any,
+    column: Any,
+) -> Any:
+    """Add one point's share to the slopes of a correlation of channels by the point's place.
+
+    Points as for `_meet_channels`. `shares` holds four lanes each of by_f, by_m and a mean; with the force
+    w (by_f f + by_m m - mean), `sums` gains force dm/dy, force dm/dx, and both times `column`.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        where = _where(context, builder, signature, arguments)
+        f, m, w, down, along = _met(builder, where, arguments)
+        by_f, by_m, mean = (builder.load(where(8, ir.IntType(64)(4 * i), FOUR), align=4) for i in range(3))
+        force = builder.fadd(builder.fmul(by_f, f), builder.fmul(by_m, m))
+        force = builder.fmul(w, builder.fsub(force, mean))
+        down, along = builder.fmul(force, down), builder.fmul(force, along)
+        lever = _lanes(builder, arguments[9])
+        parts = (down, along, builder.fmul(lever, down), builder.fmul(lever, along))
+        _add_lanes(builder, where, parts)
+        return context.get_dummy_value()
+
+    return numba.void(sums, fixed, at, moving, place, width, tx, ty, shares, column), generate
+
+
+FOUR = ir.VectorType(ir.FloatType(), 4)
+
+
+def _met(builder: Any, where: Any, arguments: Any) -> tuple[Any, Any, Any, Any, Any]:
+    """Of one point: fixed and moving lanes, the product of weights, the latter's slopes along y and x."""
+    long = ir.IntType(64)
+    f = builder.load(where(1, arguments[2], FOUR), align=4)
+    beside = builder.add(arguments[4], long(4))
+    corners = []
+    for place in (arguments[4], beside):
+        for shift in (long(0), arguments[5]):
+            corners.append(builder.load(where(3, builder.add(place, shift), FOUR), align=4))
+    near, below, right, across = corners
+    tx, ty = (_lanes(builder, one) for one in arguments[6:8])
+    top_slope, bottom_slope = builder.fsub(right, near), builder.fsub(across, below)
+    top = builder.fadd(near, builder.fmul(top_slope, tx))
+    down = builder.fsub(builder.fadd(below, builder.fmul(bottom_slope, tx)), top)
+    along = builder.fadd(top_slope, builder.fmul(builder.fsub(bottom_slope, top_slope), ty))
+    m = builder.fadd(top, builder.fmul(down, ty))
+    last = ir.IntType(32)(3)
+    weight = builder.fmul(builder.extract_element(f, last), builder.extract_element(m, last))
+    return f, m, _lanes(builder, weight), down, along
+
+
+def _lanes(builder: Any, number: Any) -> Any:
+    """A vector of four times the same number."""
+    vector = ir.Constant(FOUR, ir.Undefined)
+    for lane in range(4):
+        vector = builder.insert_element(vector, number, ir.IntType(32)(lane))
+    return vector
+
+
+def _add_lanes(builder: Any, where: Any, parts: tuple[Any, ...]) -> None:
+    """Add vectors to the first argument, four numbers each."""
+    for i, part in enumerate(parts):
+        place = where(0, ir.IntType(64)(4 * i), FOUR)
+        builder.store(builder.fadd(builder.load(place, align=4), part), place, align=4)
+
+
 def _where(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     """What gives the address of an item, or of a vector of neighbours, in one of an intrinsic's arrays."""
 
@@ -167,6 +265,8 @@ def _shuffled(builder: Any, first: Any, second: Any, lanes: tuple[int, ...]) -> 
 prefetch = cast("Callable[[Array, int], None]", _prefetch)
 columns = cast("Callable[[Array, int, int, Four], Four]", _columns)
 blend = cast("Callable[[Array, int, Array, Array, int, int, int, Array, Array], None]", _blend)
+meet_channels = cast("Callable[..., None]", _meet_channels)
+pull_channels = cast("Callable[..., None]", _pull_channels)
 add_powers = cast("Callable[[Array, Array, Array, Array, int], None]", _add_powers)
 
 
@@ -279,8 +379,8 @@ def share(function: Callable[..., object], count: int, *arguments: Any) -> None:
     Results must not depend on the cut: a kernel writes each item to its own place. For sums, let `count`
     be `BLOCKS` and give every block its own partial sum.
     """
-    parts = min(threads(), count)
-    if parts <= 1 or _here.sharing:
+    parts = 1 if _here.sharing else min(threads(), count)
+    if parts <= 1:
         # Work within shared work is not shared again: all threads are busy, and might wait for each other.
         function(0, count, *arguments)
         return

@@ -3,15 +3,40 @@
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
 from regframe.component import Component
-from regframe.types import Points, Scores, Values, Volume
+from regframe.types import Matrix, Points, Scores, Values, Volume
 
-Translations = Callable[[Volume, Volume], tuple[Scores, Scores]]
-"""From moving intensities and weights to the value and the shared weight at every whole translation."""
+Turned = Callable[[Matrix, tuple[int, int], float], tuple[Scores, Scores]]
+"""As Translations, from a map (2, 3) of a turned grid's indices to upright ones, y first, its shape and angle."""
+
+
+class Translations(Protocol):
+    """A fixed image that is ready to meet others at every whole translation."""
+
+    def __call__(self, moving: Volume, weight: Volume) -> tuple[Scores, Scores]:
+        """From moving intensities and weights to the value and the shared weight."""
+
+
+@runtime_checkable
+class Turning(Translations, Protocol):
+    """One that need not make anew what it compares for each rotation of a moving image."""
+
+    def upright(self, moving: Volume, weight: Volume) -> Turned:
+        """From moving intensities and weights on a grid in line with the fixed one."""
+
+
+class Carried(Protocol):
+    """A fixed image, and features of the moving one, made once, that maps between them carry along."""
+
+    def value(self, index_map: Matrix) -> float:
+        """The metric under a map from fixed to moving indices: (dim, dim + 1), z first, the offset last."""
+
+    def value_and_slope(self, index_map: Matrix) -> tuple[float, Matrix]:
+        """The metric, and its slope by the map, (dim, dim + 1), at fixed weights."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +141,8 @@ class Metric(Component):
         grid's spacing. It gives two arrays of shape `lattice`: the metric, and the sum of the weights'
         products, at every translation t, where fixed grid point x meets moving grid point x + t; negative
         translations stand at the end. The metric may be an approximation in single precision: what is
-        found is measured again by `value`. It is called from several threads.
+        found is measured again by `value`. It is called from several threads. If it is `Turning`, each
+        scale of the moving image is handed over once.
 
         Parameters
         ----------
@@ -125,5 +151,20 @@ class Metric(Component):
         lattice : tuple of int
             Large enough for both grids side by side as far as translations are of interest; its lengths are
             of those that `regframe.kernels.fourier.lattice` gives.
+        """
+        return None
+
+    def carried(self, pairs: Pairs, moving: Volume, weight: Volume) -> Carried | None:
+        """Hook: features that stay the same while a level's map changes a little; None: there are none.
+
+        For levels with ``carried = true``: features of the moving image are made once, where the level
+        begins, and resampled by the maps that are tried from there, in place of the intensities.
+
+        Parameters
+        ----------
+        pairs : Pairs
+            A whole fixed grid; `pairs.moving` is not filled in.
+        moving, weight : 2-D float64
+            Intensities on a grid of the same spacing and directions.
         """
         return None

@@ -1,18 +1,20 @@
 """Correlation of the directions in which two images change."""
 
 import math
-from typing import ClassVar, Literal, final
+from dataclasses import dataclass
+from typing import ClassVar, Literal, NamedTuple, Self, final
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
-from regframe.kernels import channel_correlation, fourier, orientation
+from regframe.kernels import carried, channel_correlation, fourier, orientation
 from regframe.kernels.channel_correlation import Moments
 from regframe.kernels.fourier import BLOCK, Spectrum
 from regframe.kernels.orientation import Features, Settings
 from regframe.kernels.scratch import New, fresh, scratch
-from regframe.metrics.base import Metric, Pairs, Translations
-from regframe.types import Scores, Values, Volume
+from regframe.metrics.base import Metric, Pairs, Translations, Turned
+from regframe.types import Matrix, Scores, Values, Volume
 
 
 @final
@@ -65,10 +67,7 @@ class OrientedGradients(Metric):
         value = _value(met)
         if not np.isfinite(value) or not _varies(met):
             return value, np.zeros_like(pairs.moving)
-        norm = 1.0 / math.sqrt(met.fixed_power * met.moving_power)
-        forces = channel_correlation.channel_forces(
-            fixed, moving, weight, met, (-norm, met.both * norm / met.moving_power)
-        )
+        forces = channel_correlation.channel_forces(fixed, moving, weight, met, _factors(met))
         slopes = orientation.back(forces, moving, weight, self._settings(pairs.moving_range))
         return value, slopes.ravel()
 
@@ -78,31 +77,26 @@ class OrientedGradients(Metric):
 
     def translations(self, pairs: Pairs, lattice: tuple[int, ...]) -> Translations:
         """Correlations at all translations: channels about their means over the whole image, by FFT."""
-        shape = pairs.shape or pairs.weight.shape
-        planes = (1,) * (3 - len(shape)) + tuple(lattice)
-        few = (*planes[:-2], planes[-2] // BLOCK, planes[-1] // BLOCK)
+        planes = (1,) * (3 - len(lattice)) + tuple(lattice)
         made = self._features(pairs.fixed, pairs, pairs.fixed_range, scratch)
-        fixed, below = _transformed(made, pairs.weight.reshape(made.trust.shape), planes, few)
-        settings = self._settings(pairs.moving_range)
+        found = channel_correlation.planes(made, pairs.weight.reshape(made.trust.shape))
+        return ChannelTranslations(lattice, Transformed.of(found, planes), self._settings(pairs.moving_range))
 
-        def score(moving: Volume, weight: Volume) -> tuple[Scores, Scores]:
-            volume = (1,) * (3 - moving.ndim) + moving.shape
-            there_weight = weight.reshape(volume)
-            there = orientation.features(moving.reshape(volume), there_weight, settings, scratch)
-            channels, above = _transformed(there, there_weight, planes, few)
-            both = fourier.correlate(fixed, channels, planes)
-            # Mass and power vary slowly with the translation; power stands behind mass.
-            sums = [
-                fourier.correlate(below[i, None], above[j, None], few) for i, j in ((0, 0), (0, 1), (1, 0))
-            ]
-            shared, *powers = (BLOCK * BLOCK * np.maximum(one, 0.0) for one in sums)
-            power = powers[0] * powers[1]
-            floor = FAINT * float(power.max()) + TINY
-            per = fourier.lengthened(1.0 / np.sqrt(np.maximum(power, floor)))
-            values = np.asarray(-both * per, np.float32).reshape(lattice)
-            return values, fourier.lengthened(shared).reshape(lattice)
-
-        return score
+    def carried(self, pairs: Pairs, moving: Volume, weight: Volume) -> "CarriedChannels | None":
+        """Both images' channels; those of the moving one are carried along by maps."""
+        if moving.ndim != 2:
+            return None
+        fixed = pairs.prepared
+        if not isinstance(fixed, Features):
+            fixed = self._features(pairs.fixed, pairs, pairs.fixed_range)
+        planes = (1, *moving.shape)
+        there = orientation.features(
+            moving.reshape(planes), weight.reshape(planes), self._settings(pairs.moving_range), scratch
+        )
+        return CarriedChannels(
+            carried.interleaved(fixed, pairs.weight.reshape(fixed.trust.shape)),
+            carried.interleaved(there, weight.reshape(planes)),
+        )
 
     def _both(self, pairs: Pairs) -> tuple[Features, Features, Volume]:
         fixed = pairs.prepared
@@ -122,6 +116,90 @@ class OrientedGradients(Metric):
         return Settings(self.inner, self.outer, self.offset, self.magnitude, flat)
 
 
+class Transformed(NamedTuple):
+    """Spectra of what `channel_correlation.planes` gives."""
+
+    channels: Spectrum
+    coarse: Spectrum  # of mass and power, which vary slowly with the translation
+
+    @classmethod
+    def of(cls, found: NDArray[np.float32], lattice: tuple[int, ...]) -> Self:
+        """Zeros added up to a lattice of translations."""
+        return cls(
+            fourier.spectra(found[2:], lattice), fourier.spectra(fourier.shortened(found[:2]), _few(lattice))
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelTranslations:
+    """Minus the correlation at all translations, the channels about their means over the whole image."""
+
+    lattice: tuple[int, ...]
+    fixed: Transformed
+    settings: Settings
+
+    def __call__(self, moving: Volume, weight: Volume) -> tuple[Scores, Scores]:
+        """Values and shared weights of a moving image, its channels made here."""
+        there = weight.reshape((1,) * (3 - weight.ndim) + weight.shape)
+        made = orientation.features(moving.reshape(there.shape), there, self.settings, scratch)
+        return self._scored(channel_correlation.planes(made, there))
+
+    def upright(self, moving: Volume, weight: Volume) -> Turned:
+        """The same of a moving image that is turned, its channels made once."""
+        there = weight.reshape(1, *weight.shape)
+        made = orientation.features(moving.reshape(there.shape), there, self.settings, scratch)
+        channels = carried.interleaved(made, there)
+
+        def score(index_map: Matrix, shape: tuple[int, int], angle_rad: float) -> tuple[Scores, Scores]:
+            return self._scored(carried.turned(channels, index_map, shape, angle_rad))
+
+        return score
+
+    def _scored(self, found: NDArray[np.float32]) -> tuple[Scores, Scores]:
+        planes = (1,) * (3 - len(self.lattice)) + tuple(self.lattice)
+        moving, fixed, few = Transformed.of(found, planes), self.fixed, _few(planes)
+        both = fourier.correlate(fixed.channels, moving.channels, planes)
+        # Mass and mass, mass and power, power and mass; power stands behind mass.
+        sums = [
+            fourier.correlate(fixed.coarse[i, None], moving.coarse[j, None], few)
+            for i, j in ((0, 0), (0, 1), (1, 0))
+        ]
+        shared, *powers = (BLOCK * BLOCK * np.maximum(one, 0.0) for one in sums)
+        power = powers[0] * powers[1]
+        floor = FAINT * float(power.max()) + TINY
+        per = fourier.lengthened(1.0 / np.sqrt(np.maximum(power, floor)))
+        values = np.asarray(-both * per, np.float32).reshape(self.lattice)
+        return values, fourier.lengthened(shared).reshape(self.lattice)
+
+
+def _few(lattice: tuple[int, ...]) -> tuple[int, ...]:
+    """Every `BLOCK`-th translation along y and x."""
+    return (*lattice[:-2], lattice[-2] // BLOCK, lattice[-1] // BLOCK)
+
+
+@dataclass(frozen=True, slots=True)
+class CarriedChannels:
+    """Channels and what their points weigh, (ny, nx, 4) float32 each; see `Metric.carried`.
+
+    Steps are short, so that channels turn little and are carried as they are.
+    """
+
+    fixed: Volume
+    moving: Volume
+
+    def value(self, index_map: Matrix) -> float:
+        """Minus the correlation under a map from fixed to moving indices, (2, 3), y first."""
+        return _value(carried.moments(self.fixed, self.moving, index_map))
+
+    def value_and_slope(self, index_map: Matrix) -> tuple[float, Matrix]:
+        """The value, and its slope by the map, (2, 3)."""
+        met = carried.moments(self.fixed, self.moving, index_map)
+        value = _value(met)
+        if not np.isfinite(value) or not _varies(met):
+            return value, np.zeros((2, 3))
+        return value, carried.pull(self.fixed, self.moving, index_map, met, _factors(met))
+
+
 TINY = 1e-20
 FAINT = 1e-2
 """Of the largest product of two overlapping images' powers: less is a corner that coarse sums miss."""
@@ -129,6 +207,12 @@ FLAT = 1e-4
 """Of the range: gradients below this have no direction."""
 ROUNDING = 1e-9
 """Of the largest intensity: what smoothing may leave of a constant image."""
+
+
+def _factors(met: Moments) -> tuple[float, float]:
+    """Of fixed and of moving channels in the slope of the value by the latter."""
+    norm = 1.0 / math.sqrt(met.fixed_power * met.moving_power)
+    return -norm, met.both * norm / met.moving_power
 
 
 def _varies(met: Moments) -> bool:
@@ -144,11 +228,3 @@ def _value(met: Moments) -> float:
 def _planes(pairs: Pairs) -> tuple[int, ...]:
     shape = pairs.shape or pairs.weight.shape  # layout "grid" always has a shape
     return (1,) * (3 - len(shape)) + tuple(shape)
-
-
-def _transformed(
-    made: Features, weight: Volume, planes: tuple[int, ...], few: tuple[int, ...]
-) -> tuple[Spectrum, Spectrum]:
-    """Spectra of the channels, and coarse ones of mass and power."""
-    found = channel_correlation.planes(made, weight)
-    return fourier.spectra(found[2:], planes), fourier.spectra(fourier.shortened(found[:2]), few)

@@ -80,7 +80,7 @@ class NelderMead(Optimizer):
         reach = math.inf if self.bound is None else self.bound
 
         def measured(at: Params) -> _Corner:
-            inside = np.clip(at, origin - reach, origin + reach)
+            inside = at if self.bound is None else np.clip(at, origin - reach, origin + reach)
             return _Corner(float(problem.values((inside / scales)[None])[0]), inside)
 
         best, length, how = measured(origin), self.size, _gao_han(len(origin))
@@ -114,7 +114,7 @@ def _around(at: Params, length: float, origin: Params, reach: float) -> list[Par
 def _changed(corners: list[_Corner], measured: Measure, how: _Steps) -> list[_Corner]:
     """The simplex, from best to worst, after one reflection, expansion, contraction or shrinking."""
     best, second, worst = corners[0], corners[-2], corners[-1]
-    centre = np.mean([corner.at for corner in corners[:-1]], axis=0)
+    centre = np.array([corner.at for corner in corners[:-1]]).mean(axis=0)
     away = centre - worst.at
     reflected = measured(centre + away)
     if reflected.value < best.value:
@@ -133,7 +133,7 @@ def _changed(corners: list[_Corner], measured: Measure, how: _Steps) -> list[_Co
 
 def _size(corners: list[_Corner]) -> float:
     """The farthest that a corner is from the best one, along any axis."""
-    return max(float(np.abs(corner.at - corners[0].at).max()) for corner in corners[1:])
+    return float(np.abs(np.array([corner.at for corner in corners[1:]]) - corners[0].at).max())
 
 
 def _value(corner: _Corner) -> float:

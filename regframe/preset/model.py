@@ -90,6 +90,13 @@ class Level(Record):
         None,
         description="In place of the stage's: a far-seeing one where the image is coarse, say.",
     )
+    carried: bool = Field(
+        False,
+        description=(
+            "Make the moving image's features once, where the level begins, and let maps carry them along; "
+            "quick, and near enough for steps of a few grid points. For metrics that have such features."
+        ),
+    )
     sampling: Literal["all", "regular", "random"] = Field(
         "all", description="Which grid points are compared: all, every n-th one jittered, or drawn at random."
     )
@@ -250,6 +257,21 @@ class Stage(Record):
             )
             for i, level in enumerate(self.levels)
             if level.sampling != "all"
+        ]
+        if faults:
+            raise raised(faults)
+        return self
+
+    @model_validator(mode="after")
+    def _check_carried(self) -> Self:
+        if type(self.metric).carried is not Metric.carried:
+            return self
+        name = METRICS.name_of(self.metric)
+        text = f"the metric {name!r} has no features that a map could carry. Leave it out, or write false."
+        faults = [
+            fault(("levels", i, "carried"), f"{text} Got true.", True)
+            for i, level in enumerate(self.levels)
+            if level.carried
         ]
         if faults:
             raise raised(faults)

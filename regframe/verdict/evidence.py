@@ -5,15 +5,14 @@ from math import inf
 
 import numpy as np
 
+from regframe.engine.overlap import overlap, spread
 from regframe.geometry import Grid
 from regframe.image import Image
 from regframe.transforms.warp import Chain, Warp
-from regframe.types import Points
 from regframe.verdict import edges, matching
 
 NEAR_PX = 5.0
 """Moving pixels: what a verdict calls near."""
-LATTICE = 9  # points along each axis at which maps are compared
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +103,7 @@ def round_trip(warp: Warp | Chain, back: Warp | Chain | None, fixed: Grid, movin
     """
     if back is None:
         return inf
-    met = warp(_lattice(fixed))
+    met = warp(spread(fixed))
     met = met[np.isfinite(met).all(axis=1)]
     met = met[moving.inside(moving.indices(met))]
     if not len(met):
@@ -113,25 +112,3 @@ def round_trip(warp: Warp | Chain, back: Warp | Chain | None, fixed: Grid, movin
     apart = np.linalg.norm(moving.indices(again) - moving.indices(met), axis=1)
     mean = float(apart.mean())
     return mean if np.isfinite(mean) else inf
-
-
-def overlap(warp: Warp | Chain, fixed: Grid, moving: Grid) -> float:
-    """Share of the smaller of both fields of view that both images show.
-
-    Parameters
-    ----------
-    warp : Warp or Chain
-    fixed, moving : Grid
-    """
-    met = warp(_lattice(fixed))
-    here = met[np.isfinite(met).all(axis=1)]
-    of_fixed = float(moving.inside(moving.indices(here)).sum()) / len(met)
-    # In moving pixels the fixed image is this many times as large as the moving one.
-    ratio = edges.stretch(warp, fixed) ** fixed.dim * float(np.prod(fixed.extent) / np.prod(moving.extent))
-    return min(of_fixed * max(ratio, 1.0), 1.0)
-
-
-def _lattice(grid: Grid) -> Points:
-    """Points of a grid, evenly apart, its corners among them."""
-    axes = [np.linspace(0.0, n - 1.0, LATTICE) for n in grid.shape]
-    return grid.points(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, grid.dim))

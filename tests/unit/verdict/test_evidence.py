@@ -3,10 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from regframe.engine.overlap import overlap
 from regframe.geometry import Frame, Grid
 from regframe.transforms.affine import Affine
 from regframe.transforms.warp import Warp
-from regframe.verdict.evidence import gather, overlap, round_trip
+from regframe.verdict.evidence import gather, round_trip
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,196 @@
+"""Weighted correlation of channels that are carried along by an affine map in place of being made anew."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from regframe.kernels.channel_correlation import Moments
+from regframe.kernels.fir import split
+from regframe.kernels.jit import BLOCKS, kernel, meet_channels, pull_channels, share
+from regframe.kernels.orientation import Features
+from regframe.types import Matrix, Values, Volume
+
+U = np.uint64
+CHANNELS = 3
+
+
+def interleaved(made: Features, weight: Volume) -> Volume:
+    """Channels of a plane and what each point weighs, side by side, (ny, nx, 4) float32."""
+    out = np.empty((*weight.shape[1:], CHANNELS + 1), np.float32)
+    out[..., :CHANNELS] = np.moveaxis(made.units[:, 0], 0, -1)
+    out[..., CHANNELS] = made.trust[0] * weight[0]
+    return out
+
+
+def moments(fixed: Volume, moving: Volume, index_map: Matrix) -> Moments:
+    """Sums over the fixed points, each met by what lies at its place between the moving ones.
+
+    Parameters
+    ----------
+    fixed, moving : (ny, nx, 4) float32
+        See `interleaved`.
+    index_map : (2, 3) float64
+        From fixed to moving indices, y first; the last column is the offset.
+    """
+    partial = np.zeros((BLOCKS, 2 * CHANNELS + 4))
+    share(_meet, BLOCKS, fixed, moving, index_map, partial)
+    sums = np.empty(2 * CHANNELS + 4)
+    _about_means(partial, sums)
+    mass, both, fixed_power, moving_power = (float(sums[i]) for i in (0, 7, 8, 9))
+    return Moments(mass, sums[1:4], sums[4:7], both, fixed_power, moving_power)
+
+
+def pull(
+    fixed: Volume, moving: Volume, index_map: Matrix, met: Moments, factors: tuple[float, float]
+) -> Matrix:
+    """Slope by the index map of a number whose slopes by the moving channels are as `factors` say, (2, 3).
+
+    They are weight times (factor of fixed times fixed channels + that of moving times moving), about the
+    means. Weights are held.
+    """
+    shares = np.zeros((3, CHANNELS + 1), np.float32)
+    shares[0, :CHANNELS], shares[1, :CHANNELS] = factors
+    shares[2, :CHANNELS] = factors[0] * met.fixed + factors[1] * met.moving
+    partial = np.zeros((BLOCKS, 6))
+    share(_pull, BLOCKS, fixed, moving, index_map, shares.ravel(), partial)
+    return partial.sum(axis=0).reshape(2, 3)
+
+
+def turned(
+    upright: Volume, index_map: Matrix, shape: tuple[int, int], angle_rad: float
+) -> NDArray[np.float32]:
+    """What is correlated to compare turned channels with others at all translations, (5, 1, ny, nx) float32.
+
+    As `channel_correlation.planes`: weights; these times the squared length of the channels about their
+    means; and times each of them.
+
+    Parameters
+    ----------
+    upright : (my, mx, 4) float32
+    index_map : (2, 3) float64
+        From indices of the turned grid to upright ones, y first.
+    shape : (ny, nx)
+        The turned grid's.
+    angle_rad : float
+        By which the map turns x towards y; directions without sign turn twice as fast.
+    """
+    flat, weight = upright.reshape(-1, CHANNELS + 1), upright[..., CHANNELS].ravel()
+    means = weight @ flat[:, :CHANNELS] / (float(weight.sum()) or 1.0)
+    out = np.empty((CHANNELS + 2, 1, *shape), np.float32)
+    twice = np.array([math.cos(2.0 * angle_rad), math.sin(2.0 * angle_rad)], np.float32)
+    split(_turn, shape[0], 4 * shape[1], upright, index_map, means.astype(np.float32), twice, out)
+    return out
+
+
+@kernel
+def _turn(
+    first: int, last: int, upright: Volume, by: Matrix, means: Values, twice: Values, out: Volume
+) -> None:
+    my, mx = upright.shape[:2]
+    nx, flat, wide = out.shape[3], upright.reshape(-1), U(4 * mx)
+    cos, sin, one = twice[0], twice[1], np.float32(1.0)
+    for row in range(first, last):
+        mass, power = out[0, 0, row], out[1, 0, row]
+        c0, c1, c2 = out[2, 0, row], out[3, 0, row], out[4, 0, row]
+        start_y, start_x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
+        for x in range(U(nx)):
+            at_y, at_x = start_y + by[0, 1] * x, start_x + by[1, 1] * x
+            if not (at_y >= 0.0 and at_x >= 0.0 and at_y < my - 1.0 and at_x < mx - 1.0):
+                mass[x] = power[x] = c0[x] = c1[x] = c2[x] = np.float32(0.0)
+                continue
+            i, j = int(at_y), int(at_x)
+            ty, tx = np.float32(at_y - i), np.float32(at_x - j)
+            sy, sx = one - ty, one - tx
+            p, q, r, s = sy * sx, sy * tx, ty * sx, ty * tx
+            o = U(4) * (U(i) * U(mx) + U(j))
+            e = o + wide
+            w = p * flat[o + U(3)] + q * flat[o + U(7)] + r * flat[e + U(3)] + s * flat[e + U(7)]
+            v0 = p * flat[o] + q * flat[o + U(4)] + r * flat[e] + s * flat[e + U(4)] - means[0]
+            v1 = p * flat[o + U(1)] + q * flat[o + U(5)] + r * flat[e + U(1)] + s * flat[e + U(5)] - means[1]
+            v2 = p * flat[o + U(2)] + q * flat[o + U(6)] + r * flat[e + U(2)] + s * flat[e + U(6)] - means[2]
+            mass[x], power[x] = w, w * (v0 * v0 + v1 * v1 + v2 * v2)
+            # Seen from a grid that is turned forth, directions are turned back.
+            c0[x], c1[x], c2[x] = w * v0, w * (cos * v1 + sin * v2), w * (cos * v2 - sin * v1)
+
+
+@kernel
+def _meet(first: int, last: int, fixed: Volume, moving: Volume, by: Matrix, partial: Matrix) -> None:
+    """Per block: mass, sums of fixed and of moving channels, of their products and of their squares."""
+    ny, nx = fixed.shape[:2]
+    near, far = fixed.reshape(-1), moving.reshape(-1)
+    width, end_y, end_x = 4 * moving.shape[1], moving.shape[0] - 1.0, moving.shape[1] - 1.0
+    sums = np.empty(20, np.float32)
+    for block in range(first, last):
+        out = partial[block]
+        for row in range(ny * block // len(partial), ny * (block + 1) // len(partial)):
+            sums[:] = 0.0
+            start_y, start_x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
+            for column in range(nx):
+                y, x = start_y + by[0, 1] * column, start_x + by[1, 1] * column
+                if y >= 0.0 and x >= 0.0 and y < end_y and x < end_x:
+                    i, j = int(y), int(x)
+                    tx, ty = np.float32(x - j), np.float32(y - i)
+                    meet_channels(sums, near, 4 * (row * nx + column), far, i * width + 4 * j, width, tx, ty)
+            for c in range(3):
+                out[1 + c] += sums[c]
+                out[4 + c] += sums[4 + c]
+                out[7] += sums[8 + c]
+                out[8] += sums[12 + c]
+                out[9] += sums[16 + c]
+            out[0] += sums[3]
+
+
+@kernel
+def _about_means(partial: Matrix, sums: Values) -> None:
+    """From sums of the blocks: mass, means, and sums of products about these."""
+    sums[:] = 0.0
+    for block in range(len(partial)):
+        for i in range(len(sums)):
+            sums[i] += partial[block, i]
+    if sums[0] == 0.0:
+        sums[:] = 0.0
+        return
+    for c in range(3):
+        fixed, moving = sums[1 + c] / sums[0], sums[4 + c] / sums[0]
+        sums[7] -= sums[1 + c] * moving
+        sums[8] -= sums[1 + c] * fixed
+        sums[9] -= sums[4 + c] * moving
+        sums[1 + c], sums[4 + c] = fixed, moving
+
+
+@kernel
+def _pull(
+    first: int,
+    last: int,
+    fixed: Volume,
+    moving: Volume,
+    by: Matrix,
+    shares: Values,
+    partial: Matrix,
+) -> None:
+    """Per block: sums of slopes by the place, y and x, times row, column and 1."""
+    ny, nx = fixed.shape[:2]
+    near, far = fixed.reshape(-1), moving.reshape(-1)
+    width, end_y, end_x = 4 * moving.shape[1], moving.shape[0] - 1.0, moving.shape[1] - 1.0
+    sums = np.empty(16, np.float32)
+    for block in range(first, last):
+        out = partial[block]
+        for row in range(ny * block // len(partial), ny * (block + 1) // len(partial)):
+            sums[:] = 0.0
+            start_y, start_x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
+            for column in range(nx):
+                y, x = start_y + by[0, 1] * column, start_x + by[1, 1] * column
+                if y >= 0.0 and x >= 0.0 and y < end_y and x < end_x:
+                    i, j = int(y), int(x)
+                    tx, ty = np.float32(x - j), np.float32(y - i)
+                    at, lever = 4 * (row * nx + column), np.float32(column)
+                    pull_channels(sums, near, at, far, i * width + 4 * j, width, tx, ty, shares, lever)
+            for c in range(3):
+                down, along = sums[c], sums[4 + c]
+                out[0] += row * down
+                out[1] += sums[8 + c]
+                out[2] += down
+                out[3] += row * along
+                out[4] += sums[12 + c]
+                out[5] += along
