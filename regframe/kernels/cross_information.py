@@ -34,8 +34,8 @@ def scorer(
     """
     fixed = spectra(classes(values, weight, edges(values, weight, CLASSES)), lattice)
 
-    def score(moving: Volume, there: Volume) -> tuple[Volume, Volume]:
-        met = classes(moving, there, edges(moving, there, CLASSES))
+    def score(moving: Volume, weight: Volume) -> tuple[Volume, Volume]:
+        met = classes(moving, weight, edges(moving, weight, CLASSES))
         found, shared = information(fixed, met, lattice)
         return -np.asarray(found, np.float64), np.asarray(shared, np.float64)
 

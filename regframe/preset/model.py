@@ -264,7 +264,8 @@ class Stage(Record):
 
     @model_validator(mode="after")
     def _check_carried(self) -> Self:
-        if type(self.metric).carried is not Metric.carried:
+        able = type(self.metric).carried is not Metric.carried
+        if able or not any(level.carried for level in self.levels):
             return self
         name = METRICS.name_of(self.metric)
         text = f"the metric {name!r} has no features that a map could carry. Leave it out, or write false."
