@@ -197,9 +197,12 @@ class _Level:
             yield progress
         steps.close()
         found = Warp(warp.transform, objective.settled(at), warp.frame)
-        return found, self.report(
-            scene, objective, found, trace[before:], (stop, perf_counter() - level_began)
-        )
+        values = objective.first, trace[-1].value if len(trace) > before else objective.first
+        if self.level.carried and self.kept == 1:
+            # Carried values serve to compare places; of the only one the metric itself is told.
+            values = objective.measured(warp.params), objective.measured(found.params)
+        done = len(trace) - before, objective.evaluations, stop, perf_counter() - level_began
+        return found, self.report(scene, found, values, done)
 
     def objective(self, scene: Scene, warp: Warp, space: Coordinates) -> Objective:
         """What is made small, about a warp."""
@@ -236,24 +239,19 @@ class _Level:
         return Progress(*place, step.value, objective.settled(at), *done)
 
     def report(
-        self,
-        scene: Scene,
-        objective: Objective,
-        found: Warp,
-        walked: list[Progress],
-        end: tuple[str, float],
+        self, scene: Scene, found: Warp, values: tuple[float, float], done: tuple[int, int, str, float]
     ) -> LevelReport:
-        """What the level did, from its steps, its stop reason and its seconds."""
-        stop, seconds = end
+        """What the level did: its values, first and last, and iterations, evaluations, stop, seconds."""
+        iterations, evaluations, stop, seconds = done
         return LevelReport(
             stage=self.number,
             level=self.depth,
             shape=scene.grid.shape,
             samples=len(scene.samples),
-            iterations=len(walked),
-            evaluations=objective.evaluations,
-            start_value=objective.first,
-            value=walked[-1].value if walked else objective.first,
+            iterations=iterations,
+            evaluations=evaluations,
+            start_value=values[0],
+            value=values[1],
             stop=stop,
             seconds=seconds,
             params=tuple(map(float, found.params)),

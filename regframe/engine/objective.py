@@ -38,6 +38,10 @@ class Objective:
         metric, place = self.stage.metric, self.coordinates.params
         return np.array([self._counted(metric.value(self.pairs(place(row)))) for row in batch])
 
+    def measured(self, params: Params) -> float:
+        """The metric at the transform's parameters."""
+        return self.stage.metric.value(self.pairs(params))
+
     def value_and_gradient(self, at: Params) -> tuple[float, Params]:
         """Metric and its slope, by the metric's derivative or by differences."""
         params = self.coordinates.params(at)

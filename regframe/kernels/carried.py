@@ -49,7 +49,7 @@ def pull(
     They are weight times (factor of fixed times fixed channels + that of moving times moving), about the
     means. Weights are held.
     """
-    shares = np.zeros((3, CHANNELS + 1), np.float32)
+    shares = np.zeros((4, CHANNELS + 1), np.float32)
     shares[0, :CHANNELS], shares[1, :CHANNELS] = factors
     shares[2, :CHANNELS] = factors[0] * met.fixed + factors[1] * met.moving
     partial = np.zeros((BLOCKS, 6))
@@ -173,7 +173,7 @@ def _pull(
     ny, nx = fixed.shape[:2]
     near, far = fixed.reshape(-1), moving.reshape(-1)
     width, end_y, end_x = 4 * moving.shape[1], moving.shape[0] - 1.0, moving.shape[1] - 1.0
-    sums = np.empty(16, np.float32)
+    sums, own = np.empty(16, np.float32), shares.copy()
     for block in range(first, last):
         out = partial[block]
         for row in range(ny * block // len(partial), ny * (block + 1) // len(partial)):
@@ -184,8 +184,9 @@ def _pull(
                 if y >= 0.0 and x >= 0.0 and y < end_y and x < end_x:
                     i, j = int(y), int(x)
                     tx, ty = np.float32(x - j), np.float32(y - i)
-                    at, lever = 4 * (row * nx + column), np.float32(column)
-                    pull_channels(sums, near, at, far, i * width + 4 * j, width, tx, ty, shares, lever)
+                    own[12] = column
+                    at, place = 4 * (row * nx + column), i * width + 4 * j
+                    pull_channels(sums, near, at, far, place, width, tx, ty, own)
             for c in range(3):
                 down, along = sums[c], sums[4 + c]
                 out[0] += row * down

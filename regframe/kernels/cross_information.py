@@ -6,7 +6,8 @@ each image is cut into a few classes of intensity; the joint histogram at a tran
 of the classes' masks there.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,7 @@ CLASSES = 8
 """Of intensity, each of about equally many points."""
 
 
-def scorer(
-    values: Volume, weight: Volume, lattice: Sequence[int]
-) -> Callable[[Volume, Volume], tuple[Volume, Volume]]:
+def scorer(values: Volume, weight: Volume, lattice: Sequence[int]) -> "Scorer":
     """From a moving image and its weights to minus the information, and the joint weight, of a fixed image.
 
     Parameters
@@ -32,14 +31,20 @@ def scorer(
     lattice : tuple of int
         Shape of the translations.
     """
-    fixed = spectra(classes(values, weight, edges(values, weight, CLASSES)), lattice)
+    return Scorer(spectra(classes(values, weight, edges(values, weight, CLASSES)), lattice), tuple(lattice))
 
-    def score(moving: Volume, weight: Volume) -> tuple[Volume, Volume]:
+
+class Scorer(NamedTuple):
+    """The classes of a fixed image, ready to meet others."""
+
+    fixed: Spectrum
+    lattice: tuple[int, ...]
+
+    def __call__(self, moving: Volume, weight: Volume) -> tuple[Volume, Volume]:
+        """Minus the information, and the joint weight, at every translation."""
         met = classes(moving, weight, edges(moving, weight, CLASSES))
-        found, shared = information(fixed, met, lattice)
+        found, shared = information(self.fixed, met, self.lattice)
         return -np.asarray(found, np.float64), np.asarray(shared, np.float64)
-
-    return score
 
 
 def classes(values: Volume, weight: Volume, edges: Values) -> Volume:

@@ -184,12 +184,11 @@ def _pull_channels(
     tx: Any,
     ty: Any,
     shares: Any,
-    column: Any,
 ) -> Any:
     """Add one point's share to the slopes of a correlation of channels by the point's place.
 
     Points as for `_meet_channels`. `shares` holds four lanes each of by_f, by_m and a mean; with the force
-    w (by_f f + by_m m - mean), `sums` gains force dm/dy, force dm/dx, and both times `column`.
+    w (by_f f + by_m m - mean), `sums` gains force dm/dy, force dm/dx, and both times the number that follows.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -199,12 +198,12 @@ def _pull_channels(
         force = builder.fadd(builder.fmul(by_f, f), builder.fmul(by_m, m))
         force = builder.fmul(w, builder.fsub(force, mean))
         down, along = builder.fmul(force, down), builder.fmul(force, along)
-        lever = _lanes(builder, arguments[9])
+        lever = _lanes(builder, builder.load(where(8, ir.IntType(64)(12), ir.FloatType())))
         parts = (down, along, builder.fmul(lever, down), builder.fmul(lever, along))
         _add_lanes(builder, where, parts)
         return context.get_dummy_value()
 
-    return numba.void(sums, fixed, at, moving, place, width, tx, ty, shares, column), generate
+    return numba.void(sums, fixed, at, moving, place, width, tx, ty, shares), generate
 
 
 FOUR = ir.VectorType(ir.FloatType(), 4)

@@ -11,7 +11,7 @@ from regframe.component import Component
 from regframe.types import Matrix, Points, Scores, Values, Volume
 
 Turned = Callable[[Matrix, tuple[int, int], float], tuple[Scores, Scores]]
-"""As `Translations`, from a turned grid: its index map (2, 3) to the upright one, y first, shape and angle."""
+"""As `Translations`, from a turned grid: its index map (2, 3) to the upright one, its shape, its angle."""
 
 
 class Translations(Protocol):

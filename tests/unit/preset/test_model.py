@@ -260,6 +260,7 @@ def test_dump_writes_every_default_out(base):
         "smooth": 0.0,
         "iterations": 300,
         "optimizer": None,
+        "carried": False,
         "sampling": "all",
         "fraction": 1.0,
         "refine": None,
