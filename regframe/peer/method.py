@@ -62,10 +62,10 @@ def in_its_terms(stage: Stage, warp: Warp, moving: Image, setting: Setting) -> T
             "out, or take the native engine."
         )
         raise NoTwin(message)
-    if any(level.fit is not None or level.optimizer is not None for level in stage.levels):
+    if any(level.fit is not None or level.optimizer is not None or level.carried for level in stage.levels):
         message = (
-            "SimpleITK has levels by whole `shrink` factors and one optimizer for all of them. Leave the "
-            "levels' `fit` and `optimizer` out, or take the native engine."
+            "SimpleITK has levels by whole `shrink` factors, one optimizer for all of them, and the metric "
+            "itself. Leave the levels' `fit`, `optimizer` and `carried` out, or take the native engine."
         )
         raise NoTwin(message)
     if stage.scales == "grid-shift":
