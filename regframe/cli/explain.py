@@ -119,7 +119,7 @@ def _level(level: "Level") -> str:
     from regframe.catalog import OPTIMIZERS
 
     own = f" by {OPTIMIZERS.name_of(level.optimizer)}" if level.optimizer is not None else ""
-    carried = ", carried" if level.carried else ""
+    carried = " (carried)" if level.carried else ""
     return f"{level.iterations} at {level.resolution}{own}{carried}"
 
 

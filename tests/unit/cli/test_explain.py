@@ -69,4 +69,7 @@ def test_a_misspelt_name_is_told(regframe):
 def test_a_presets_levels_are_told_as_they_are_written(regframe):
     outcome = regframe("explain", "visual-thermal")
 
-    assert "25 at fit 150 by nelder-mead, 12 at fit 300, 20 at fit 512" in outcome.out
+    assert (
+        "25 at fit 150 by nelder-mead (carried), 12 at fit 300 (carried), 20 at fit 512 (carried)"
+        in outcome.out
+    )
