@@ -27,9 +27,9 @@ Fit = Callable[[Image], Warp]
 def chosen(stage: int, gains: Values, least: float) -> Choice:
     """Judge the gains of held-out tiles.
 
-    The mean gain must be beyond `least` of its standard errors, and more than half of the tiles better:
-    neither a slight gain that may be chance, nor a large one in a few tiles, is enough. With `least` below 0
-    the richer map stays unless it is worse by more than so many.
+    The mean gain must be beyond `least` of its standard errors, and so must the number of better tiles be
+    beyond half of all (a sign test): neither a slight gain that may be chance, nor a large one in a few
+    tiles, is enough. With `least` below 0 the richer map stays unless its mean is worse by more than so many.
 
     Parameters
     ----------
@@ -50,8 +50,11 @@ def chosen(stage: int, gains: Values, least: float) -> Choice:
         return Choice(stage, False, float("nan"), float("nan"), int((gains > 0).sum()), count)
     gain, error = float(gains.mean()), float(gains.std(ddof=1) / np.sqrt(count))
     better = int((gains > 0).sum())
-    kept = gain > least * error and (least < 0 or 2 * better > count)
-    return Choice(stage, kept, gain, error, better, count)
+    kept = gain > least * error
+    if least >= 0:
+        # Tiles better by chance alone: half of them, give or take half the root of their number.
+        kept = kept and 2 * better - count > least * np.sqrt(count)
+    return Choice(stage, bool(kept), gain, error, better, count)
 
 
 def held_out_gains(fit: Fit, fixed: Image, objective: Objective, simpler: Params) -> Values:

@@ -45,7 +45,8 @@ class Objective:
     def value_and_gradient(self, at: Params) -> tuple[float, Params]:
         """Metric and its slope, by the metric's derivative or by differences."""
         params = self.coordinates.params(at)
-        pairs = self.pairs(params)
+        index_map, where = placed(self.scene, self.stage, params, self.frame)
+        pairs = self._met(index_map, where)
         value, slopes = self.stage.metric.value_and_derivative(pairs)
         if self._counted(value) == float("inf"):
             raise NoOverlapError(self._lost("on the way"))
@@ -57,7 +58,8 @@ class Objective:
             ) / self.coordinates.unit
         if slopes is None:
             return value, self._differences(at)
-        return value, self._slopes.pull(params, slopes, self.frame) / self.coordinates.unit
+        mapped = where.indices if index_map is None else None
+        return value, self._slopes.pull(params, slopes, self.frame, mapped) / self.coordinates.unit
 
     def forces(self, pairs: Pairs) -> Points | None:
         """What a metric that pushes points would do to each sample, (n, dim), uphill; None for others."""
@@ -84,8 +86,11 @@ class Objective:
 
     def pairs(self, params: Params) -> Pairs:
         """Fixed and moving intensities that meet under some parameters."""
+        return self._met(*placed(self.scene, self.stage, params, self.frame))
+
+    def _met(self, index_map: AffineMap | None, at: Samples) -> Pairs:
+        """Pairs at samples that `placed` has put into the moving image."""
         scene, interpolator = self.scene, self.stage.interpolator
-        index_map, at = placed(scene, self.stage, params, self.frame)
         moving, weight = interpolator.resample(scene.coefficients, at, index_map)
         if scene.moving.rounds:
             round_single(moving)

@@ -80,13 +80,15 @@ class MovingSlopes:
         """Prepared for one level."""
         return cls(stage, scene, ImageSlopes.of(stage, scene.moving))
 
-    def pull(self, params: Params, forces: Values, frame: Frame) -> Params:
+    def pull(self, params: Params, forces: Values, frame: Frame, mapped: Indices | None = None) -> Params:
         """Slope of the metric by each parameter.
 
         Parameters
         ----------
         forces : (n,) float64
             d value / d moving intensity of each sample.
+        mapped : (n, dim) float64, array order, optional
+            Where the samples lie in the moving image, if that has been worked out already.
         """
         transform, scene = self.stage.transform, self.scene
         affine = transform.as_affine(params, frame)
@@ -94,9 +96,10 @@ class MovingSlopes:
             moments = self._moments(affine, forces)
             return transform.parameter_gradient(params, *levers(moments), frame)
         points = scene.points
-        indices = scene.moving.grid.indices(transform.map(params, points, frame))
+        if mapped is None:
+            mapped = scene.moving.grid.indices(transform.map(params, points, frame))
         felt = forces != 0.0
-        kept = np.ascontiguousarray(indices[felt])
+        kept = np.ascontiguousarray(mapped[felt])
         slopes = forces[felt, None] * self.slopes.at(kept, scene.coefficients)
         return transform.parameter_gradient(params, points[felt], slopes, frame)
 

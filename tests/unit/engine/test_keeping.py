@@ -99,6 +99,14 @@ def test_a_gain_in_few_tiles_is_not_enough():
     assert not chosen(1, gains, 2.0).kept
 
 
+def test_a_slight_majority_of_tiles_is_not_enough():
+    gains = np.array([-0.005] * 19 + [0.03] * 29)
+
+    assert gains.mean() > 3.0 * gains.std() / np.sqrt(48)
+    assert not chosen(1, gains, 3.0).kept
+    assert chosen(1, np.array([-0.005] * 6 + [0.03] * 42), 3.0).kept
+
+
 def test_below_0_a_map_stays_unless_it_is_clearly_worse():
     worse = np.array([-0.01] * 20 + [0.02] * 5)
 
