@@ -5,6 +5,7 @@ import platform
 import sys
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -29,6 +30,7 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **found}
 
 
+@cache
 def _version(package: str) -> str | None:
     try:
         return version(package)
