@@ -2,7 +2,7 @@
 
 from collections.abc import Generator, Mapping
 from time import perf_counter
-from typing import Any, final
+from typing import Any, TypeVar, cast, final
 
 from regframe.engine.averaging import Pyramid, fitted
 from regframe.engine.base import Engine, LevelReport, Progress, Result
@@ -28,6 +28,8 @@ from regframe.preset import Preset, Search, Stage
 from regframe.transforms.warp import Chain, Warp
 from regframe.types import Params
 
+T = TypeVar("T")
+
 SMALLEST = 4  # pixels an axis
 
 
@@ -41,27 +43,17 @@ class Native(Engine):
         """Yield a Progress an iteration and return the Result."""
         began = perf_counter()
         check_images(preset, fixed, moving)
-        given, fixed, moving = (fixed, moving), *filtered(preset, fixed, moving)
-        run = _Run(Pyramid(fixed, moving), began)
-        place = Placement.of(start)
-        setting, before = opened(place, fixed), place.start
-        first: Warp | Chain | None = None
-        for number, stage in enumerate(begun(preset.stages, place)):
-            setting = setting.entered(stage, before)
-            warp = begin(stage, fixed, moving, before, setting)
-            first = first or setting.whole(warp)
-            rng, seed = stage.optimizer.normals(preset.seed), preset.seed
-            places = searched(stage, run.pyramid, warp, setting)
-            for depth in range(len(stage.levels)):
-                level = _Level(stage, setting, (number, depth), seed)
-                places = yield from run.level(level, places, rng)
-                seed = level.next_seed
-            simpler, warp = warp, places[0].found
-            if not run.earned(_Trial(stage, setting, number, preset.seed), simpler):
-                warp = before if isinstance(before, Warp) else simpler
-            before = warp
-        facts = provenance(preset, *given, seconds=perf_counter() - began)
-        return run.result(setting.whole(warp), preset, facts, given, first)
+        run = _Run(Pyramid(*filtered(preset, fixed, moving)), began)
+        warp, first = yield from run.stages(preset, Placement.of(start))
+        facts = provenance(preset, fixed, moving, seconds=perf_counter() - began)
+        return run.result(warp, preset, facts, (fixed, moving), first)
+
+
+def found(preset: Preset, fixed: Image, moving: Image) -> Warp | Chain:
+    """The map that a preset finds, and nothing of how."""
+    check_images(preset, fixed, moving)
+    run = _Run(Pyramid(*filtered(preset, fixed, moving)), perf_counter())
+    return exhausted(run.stages(preset, Placement.of(None)))[0]
 
 
 def searched(stage: Stage, pyramid: Pyramid, warp: Warp, setting: Setting) -> tuple[Place, ...]:
@@ -81,6 +73,29 @@ class _Run:
         self.candidates: tuple[Candidate, ...] = ()
         self.choices: list[Choice] = []
         self.last: LevelReport | None = None
+
+    def stages(
+        self, preset: Preset, place: Placement
+    ) -> Generator[Progress, None, tuple[Warp | Chain, Warp | Chain | None]]:
+        """Walk all stages; the whole map found, and the one it began from."""
+        fixed, moving = self.pyramid.images
+        setting, before = opened(place, fixed), place.start
+        first: Warp | Chain | None = None
+        for number, stage in enumerate(begun(preset.stages, place)):
+            setting = setting.entered(stage, before)
+            warp = begin(stage, fixed, moving, before, setting)
+            first = first or setting.whole(warp)
+            rng, seed = stage.optimizer.normals(preset.seed), preset.seed
+            places = searched(stage, self.pyramid, warp, setting)
+            for depth in range(len(stage.levels)):
+                level = _Level(stage, setting, (number, depth), seed)
+                places = yield from self.level(level, places, rng)
+                seed = level.next_seed
+            simpler, warp = warp, places[0].found
+            if not self.earned(_Trial(stage, setting, number, preset.seed), simpler):
+                warp = before if isinstance(before, Warp) else simpler
+            before = warp
+        return setting.whole(warp), first
 
     def earned(self, trial: "_Trial", simpler: Warp) -> bool:
         """Whether the stage's map stays; asked of stages that need proof."""
@@ -287,16 +302,13 @@ class _Trial:
         return warp
 
 
-def exhausted(
-    steps: Generator[Progress, None, tuple[Warp, LevelReport]],
-) -> tuple[Warp, LevelReport]:
+def exhausted(steps: Generator[Progress, None, T]) -> T:
     """What a walk ends with, its progress unseen."""
     while True:
         try:
             next(steps)
         except StopIteration as end:
-            found: tuple[Warp, LevelReport] = end.value
-            return found
+            return cast("T", end.value)
 
 
 def filtered(preset: Preset, fixed: Image, moving: Image) -> tuple[Image, Image]:
