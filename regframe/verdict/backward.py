@@ -32,8 +32,8 @@ def turned(preset: Preset) -> Preset:
     """The preset for exchanged images: each keeps its filters, and the bounds hold for the inverse map.
 
     Stages of three levels or more leave out the last one, which takes the most time and moves the answer by a
-    fraction of the pixels that a verdict is about; and a quarter fewer places go on, as a verdict should cost no
-    more than what it is about. Of 182 right answers that changed none.
+    fraction of the pixels that a verdict is about. A quarter fewer places go on, as a verdict should cost no
+    more than what it is about; of 182 right answers that changed none.
     """
     filters = Filters(fixed=preset.filters.moving, moving=preset.filters.fixed)
     stages = tuple(_turned(stage) for stage in preset.stages)
