@@ -232,6 +232,38 @@ def check_forces_spare_weightless_samples(metric: Metric) -> None:
     require(forces is not None and not forces[away].any(), "`forces` must be 0 where the weight is 0.")
 
 
+def check_carried_features_stand_for_the_image(metric: Metric) -> None:
+    """What `carried` gives has about the metric's value where nothing moves, and a slope of its own value."""
+    if type(metric).carried is Metric.carried:
+        message = "the metric has no features that a map could carry"
+        raise NotApplicable(message)
+    pairs = prepared(metric, example_pairs(KINDS[metric.suits[0]], (0, 2)))
+    made = metric.carried(pairs, pairs.moving.reshape(SHAPE), pairs.weight.reshape(SHAPE))
+    require(made is not None, "`carried` must give features of 2-D images. Got None.")
+    assert made is not None  # for the type checker
+    still, moved = np.eye(2, 3), np.array([[1.001, 0.0021, 0.337], [-0.0017, 0.9987, -0.271]])
+    value = metric.value(pairs)
+    require_close(
+        np.array(made.value(still)),
+        np.array(value),
+        within=0.05 * max(1.0, abs(value)),
+        fault="Where the map moves nothing, carried features give another value than the metric.",
+    )
+    slope, steps = made.value_and_slope(moved)[1], np.eye(6).reshape(6, 2, 3)
+    # A fiftieth of a grid point, at the far end of the grid for what turns and grows.
+    reach = 0.02 / np.array([SHAPE[0], SHAPE[1], 1.0, SHAPE[0], SHAPE[1], 1.0])
+    rises = [
+        (made.value(moved + length * step) - made.value(moved - length * step)) / 2
+        for length, step in zip(reach, steps, strict=True)
+    ]
+    # Weights are held in a slope and change in a difference, so that they agree in about the direction.
+    told = slope.ravel() * reach
+    require(
+        float(told @ rises) > 0.9 * float(np.linalg.norm(told) * np.linalg.norm(rises)),
+        "The slope of carried features is not that of their value: d value / d map, (dim, dim + 1), uphill.",
+    )
+
+
 def check_survives_constant_images(metric: Metric) -> None:
     """Flat images raise nothing and never look like a good match."""
     pairs = example_pairs()
@@ -275,6 +307,7 @@ CHECKS = (
     check_derivative_matches_differences,
     check_holds_its_invariances,
     check_forces_spare_weightless_samples,
+    check_carried_features_stand_for_the_image,
     check_survives_constant_images,
     check_survives_no_overlap,
 )

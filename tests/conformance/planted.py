@@ -4,6 +4,7 @@ import os
 
 import numpy as np
 from conformance.standins import Difference, Shrinking
+from scipy import ndimage
 
 from regframe.filters.base import Filter
 
@@ -16,6 +17,40 @@ class WrongSign(Difference):
 
     def derivative(self, pairs):
         return -super().derivative(pairs)
+
+
+class Rusher(Difference):
+    """Carries features whose slope points downhill (nobody, 1999)."""
+
+    def carried(self, pairs, moving, weight):
+        return Rushed(pairs.fixed.reshape(moving.shape), moving, weight)
+
+
+class Stranger(Difference):
+    """Carries features of another metric (nobody, 1999)."""
+
+    def carried(self, pairs, moving, weight):
+        return Rushed(1e3 + pairs.fixed.reshape(moving.shape), moving, weight)
+
+
+class Rushed:
+    """Mean squared difference under a map, bilinear."""
+
+    def __init__(self, fixed, moving, weight):
+        self.fixed, self.moving, self.weight = fixed, moving, weight
+
+    def value(self, index_map):
+        rows, columns = np.indices(self.fixed.shape)
+        at = np.tensordot(index_map, np.stack([rows, columns, np.ones_like(rows)]), axes=1)
+        met = ndimage.map_coordinates(self.moving, at, order=1, mode="nearest")
+        return float(np.average((self.fixed - met) ** 2, weights=self.weight))
+
+    def value_and_slope(self, index_map):
+        slope = [
+            (self.value(index_map - 1e-4 * step) - self.value(index_map + 1e-4 * step)) / 2e-4
+            for step in np.eye(6).reshape(6, 2, 3)
+        ]
+        return self.value(index_map), np.array(slope).reshape(2, 3)
 
 
 class Gambler(Difference):

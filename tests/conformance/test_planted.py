@@ -7,6 +7,8 @@ from regframe.testing import verify
 
 FAULTS = [
     (planted.WrongSign, "derivative matches differences", "`derivative` is not the slope of `value`"),
+    (planted.Rusher, "carried features stand for the image", "The slope of carried features is not that of"),
+    (planted.Stranger, "carried features stand for the image", "carried features give another value"),
     (planted.Gambler, "is deterministic", "Two calls with the same pairs differ"),
     (planted.Gambler, "keeps no state", "gives something else after other inputs"),
     (planted.Writer, "leaves its input alone", "`value` writes into pairs.moving. Copy before changing."),
