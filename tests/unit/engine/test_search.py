@@ -5,12 +5,15 @@ import pytest
 
 import regframe
 from regframe.engine.averaging import Pyramid
-from regframe.engine.search import search
+from regframe.engine.candidate import Place
+from regframe.engine.overlap import shares
+from regframe.engine.search import search, within
 from regframe.engine.setting import Setting
 from regframe.geometry import AffineMap, Frame, Grid
 from regframe.image import Image
 from regframe.metrics.base import Metric, Pairs
-from regframe.preset import parse
+from regframe.metrics.oriented_gradients import OrientedGradients
+from regframe.preset import Search, parse
 from regframe.testing.phantoms import corner_error, visual_thermal
 from regframe.transforms.linear import about, turn
 from regframe.transforms.similarity import Similarity
@@ -210,3 +213,38 @@ def test_shift_of_a_grid_point_is_a_shift_of_the_warp():
 
     assert isinstance(best, AffineMap)
     np.testing.assert_allclose(best.offset, [-3.0, 5.0], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("scale", "angle_deg", "inside"),
+    [(1.0, 0.0, True), (1.75, 31.0, True), (2.1, 0.0, False), (0.4, 0.0, False), (1.0, -40.0, False)],
+)
+def test_a_place_may_stray_a_step_beyond_the_bounds_and_no_further(scale, angle_deg, inside):
+    options = Search(scale=(0.6, 1.7), rotation_deg=30.0, size=150, step=10.0)
+    fixed, moving = Grid.of_shape((60, 80)), Grid.of_shape((120, 160))
+    affine = about(2.0 * scale * turn(np.deg2rad(angle_deg)), np.zeros(2), fixed.centre)
+
+    assert within(options, Warp.of_affine(affine, Frame.about_centre(fixed)), fixed, moving) == inside
+
+
+def test_places_rank_by_bounds_value_and_points_met():
+    warp = Warp.of_affine(AffineMap.identity(2), Frame.about_centre(Grid.of_shape((8, 8))))
+    metric = OrientedGradients()
+    near = Place(warp, warp).walked(warp, -0.40, (1.0, 1.0), within=True)
+    small = Place(warp, warp).walked(warp, -0.42, (1.0, 0.3), within=True)
+    scant = Place(warp, warp).walked(warp, -0.42, (0.5, 0.5), within=True)
+    beyond = Place(warp, warp).walked(warp, -0.90, (1.0, 1.0), within=False)
+
+    ranked = sorted([beyond, scant, small, near], key=lambda place: place.rank(metric))
+
+    assert ranked == [near, small, scant, beyond]
+
+
+def test_what_both_frames_show():
+    fixed, moving = Grid.of_shape((60, 80)), Grid.of_shape((60, 80))
+    half = Warp.of_affine(AffineMap(np.eye(2), np.array([40.0, 0.0])), Frame.about_centre(fixed))
+    twice = Warp.of_affine(about(2.0 * np.eye(2), np.zeros(2), fixed.centre), Frame.about_centre(fixed))
+
+    assert shares(half, fixed, moving) == pytest.approx((0.5, 0.5), abs=0.03)
+    # The moving frame shows a quarter of the fixed one, and all of itself.
+    assert shares(twice, fixed, moving) == pytest.approx((1.0, 0.25), abs=0.03)

@@ -99,3 +99,16 @@ def test_all_translations_at_once_agree_with_the_value():
     # The lattice's correlation trusts borders that the pairs of one translation do not.
     assert values.min() < -0.9
     assert shared[0, 0] == pytest.approx(40 * 52, rel=0.25)
+
+
+def test_turned_channels_score_as_those_of_a_turned_image():
+    given = pairs((40, 52), seed=4)
+    moving, weight = np.roll(given.fixed.reshape(given.shape), (3, -5), axis=(0, 1)), np.ones(given.shape)
+    translations = OrientedGradients(inner=0.7, outer=1.0).translations(given, (96, 128))
+    # By half a turn nothing is lost between points, and directions without sign stay.
+    half = np.array([[-1.0, 0.0, 39.0], [0.0, -1.0, 51.0]])
+
+    values, _ = translations.upright(moving, weight)(half, given.shape, np.pi)
+    expected, _ = translations(np.ascontiguousarray(moving[::-1, ::-1]), weight)
+
+    np.testing.assert_allclose(values[:8, :8], expected[:8, :8], atol=0.03)
