@@ -48,13 +48,13 @@ class Place:
     within: bool = True  # the bounds of the search
     met: float = float("nan")  # share of the fixed image
 
-    def walked(self, warp: Warp, value: float, shares: tuple[float, float], *, within: bool) -> Self:
-        """The place after one more level, which may have led to where less overlaps, or beyond the bounds.
+    def walked(self, warp: Warp, value: float) -> Self:
+        """The place after one more level."""
+        return replace(self, found=warp, values=(*self.values, value))
 
-        `shares` are those of the smaller frame and of the fixed image.
-        """
-        values, (overlap, met) = (*self.values, value), shares
-        return replace(self, found=warp, values=values, overlap=overlap, met=met, within=within)
+    def met_anew(self, shares: tuple[float, float], *, within: bool) -> Self:
+        """The place with what meets where its walk led: shares of the smaller frame, of the fixed image."""
+        return replace(self, overlap=shares[0], met=shares[1], within=within)
 
     def rank(self, metric: Metric) -> tuple[bool, float]:
         """What places are sorted by, lower first: those within bounds by value, less sure for few points.

@@ -109,7 +109,7 @@ class Shown:
     def whole(self, at: Params) -> Params:
         """All coordinates, of free ones (..., q)."""
         if len(self.scales) == len(self.origin):
-            return at
+            return at.copy()
         found = np.broadcast_to(self.origin, (*at.shape[:-1], len(self.origin))).copy()
         found[..., self.free] = at
         return found

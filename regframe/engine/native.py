@@ -226,11 +226,12 @@ class _Level:
         return Objective(self.stage, scene, warp.frame, space)
 
     def ended(self, pyramid: Pyramid, place: Place, warp: Warp, report: LevelReport) -> Place:
-        """A place after its walk."""
-        fixed, moving = (image.grid for image in pyramid.images)
-        whole = self.setting.whole(warp)
-        inside = not isinstance(self.start, Search) or within(self.start, whole, fixed, moving)
-        return place.walked(warp, report.value, shares(whole, fixed, moving), within=inside)
+        """A place after its walk, which may have led a search's place astray."""
+        place, start = place.walked(warp, report.value), self.start
+        if not isinstance(start, Search):
+            return place
+        whole, (fixed, moving) = self.setting.whole(warp), (image.grid for image in pyramid.images)
+        return place.met_anew(shares(whole, fixed, moving), within=within(start, whole, fixed, moving))
 
     def ready(self, pyramid: Pyramid, places: tuple[Place, ...]) -> None:
         """Average what the places need, before threads ask for it."""

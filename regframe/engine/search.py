@@ -121,11 +121,11 @@ def distinct(ranked: list[Place], most: int, grid: Grid, apart: float) -> tuple[
 
 
 def within(options: Search, warp: Warp | Chain, fixed: Grid, moving: Grid) -> bool:
-    """Whether a map that was found keeps to a search's rotations and scales, give or take a step of them."""
+    """Whether a map that was found keeps to a search's rotations and scales, give or take the widest step."""
     affine = warp.as_affine()
     if affine is None:
         return True
-    slack = options.step / options.size * 2.0
+    slack = options.step / (options.size / 2)  # of a frame that is far longer than high
     (a, b), (c, d) = affine.matrix
     angle, scale = np.arctan2(c - b, a + d), np.sqrt(abs(a * d - b * c)) / base_scale(options, fixed, moving)
     low, high = options.scale

@@ -57,17 +57,26 @@ def pull(
     return partial.sum(axis=0).reshape(2, 3)
 
 
+def about_means(channels: Volume) -> Volume:
+    """Channels less their weighted means; weights stay."""
+    out, weight = channels.copy(), channels[..., CHANNELS].ravel()
+    flat = out.reshape(-1, CHANNELS + 1)[:, :CHANNELS]
+    flat -= weight @ flat / (float(weight.sum()) or 1.0)
+    return out
+
+
 def turned(
     upright: Volume, index_map: Matrix, shape: tuple[int, int], angle_rad: float
 ) -> NDArray[np.float32]:
     """What is correlated to compare turned channels with others at all translations, (5, 1, ny, nx) float32.
 
-    As `channel_correlation.planes`: weights; these times the squared length of the channels about their
-    means; and times each of them.
+    As `channel_correlation.planes`: weights; these times the squared length of the channels; and times each
+    of them.
 
     Parameters
     ----------
     upright : (my, mx, 4) float32
+        About their means.
     index_map : (2, 3) float64
         From indices of the turned grid to upright ones, y first.
     shape : (ny, nx)
@@ -75,40 +84,43 @@ def turned(
     angle_rad : float
         By which the map turns x towards y; directions without sign turn twice as fast.
     """
-    flat, weight = upright.reshape(-1, CHANNELS + 1), upright[..., CHANNELS].ravel()
-    means = weight @ flat[:, :CHANNELS] / (float(weight.sum()) or 1.0)
     out = np.empty((CHANNELS + 2, 1, *shape), np.float32)
     twice = np.array([math.cos(2.0 * angle_rad), math.sin(2.0 * angle_rad)], np.float32)
-    split(_turn, shape[0], 4 * shape[1], upright, index_map, means.astype(np.float32), twice, out)
+    split(_turn, shape[0], 4 * shape[1], upright, index_map, twice, out)
     return out
 
 
 @kernel
-def _turn(
-    first: int, last: int, upright: Volume, by: Matrix, means: Values, twice: Values, out: Volume
-) -> None:
-    my, mx = upright.shape[:2]
-    nx, flat, wide = out.shape[3], upright.reshape(-1), U(4 * mx)
+def _cell(y: float, x: float, end: tuple[float, float], width: int) -> tuple[int, np.float32, np.float32]:
+    """Where a point's first corner stands in the flat channels, -1 outside; and how far it is from there."""
+    if y >= 0.0 and x >= 0.0 and y < end[0] and x < end[1]:
+        i, j = int(y), int(x)
+        return i * width + 4 * j, np.float32(y - i), np.float32(x - j)
+    return -1, np.float32(0.0), np.float32(0.0)
+
+
+@kernel
+def _turn(first: int, last: int, upright: Volume, by: Matrix, twice: Values, out: Volume) -> None:
+    nx, flat, width = out.shape[3], upright.reshape(-1), 4 * upright.shape[1]
+    end = (upright.shape[0] - 1.0, upright.shape[1] - 1.0)
     cos, sin, one = twice[0], twice[1], np.float32(1.0)
     for row in range(first, last):
         mass, power = out[0, 0, row], out[1, 0, row]
         c0, c1, c2 = out[2, 0, row], out[3, 0, row], out[4, 0, row]
         start_y, start_x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
         for x in range(U(nx)):
-            at_y, at_x = start_y + by[0, 1] * x, start_x + by[1, 1] * x
-            if not (at_y >= 0.0 and at_x >= 0.0 and at_y < my - 1.0 and at_x < mx - 1.0):
+            place, ty, tx = _cell(start_y + by[0, 1] * x, start_x + by[1, 1] * x, end, width)
+            if place < 0:
                 mass[x] = power[x] = c0[x] = c1[x] = c2[x] = np.float32(0.0)
                 continue
-            i, j = int(at_y), int(at_x)
-            ty, tx = np.float32(at_y - i), np.float32(at_x - j)
             sy, sx = one - ty, one - tx
             p, q, r, s = sy * sx, sy * tx, ty * sx, ty * tx
-            o = U(4) * (U(i) * U(mx) + U(j))
-            e = o + wide
+            o = U(place)
+            e = o + U(width)
             w = p * flat[o + U(3)] + q * flat[o + U(7)] + r * flat[e + U(3)] + s * flat[e + U(7)]
-            v0 = p * flat[o] + q * flat[o + U(4)] + r * flat[e] + s * flat[e + U(4)] - means[0]
-            v1 = p * flat[o + U(1)] + q * flat[o + U(5)] + r * flat[e + U(1)] + s * flat[e + U(5)] - means[1]
-            v2 = p * flat[o + U(2)] + q * flat[o + U(6)] + r * flat[e + U(2)] + s * flat[e + U(6)] - means[2]
+            v0 = p * flat[o] + q * flat[o + U(4)] + r * flat[e] + s * flat[e + U(4)]
+            v1 = p * flat[o + U(1)] + q * flat[o + U(5)] + r * flat[e + U(1)] + s * flat[e + U(5)]
+            v2 = p * flat[o + U(2)] + q * flat[o + U(6)] + r * flat[e + U(2)] + s * flat[e + U(6)]
             mass[x], power[x] = w, w * (v0 * v0 + v1 * v1 + v2 * v2)
             # Seen from a grid that is turned forth, directions are turned back.
             c0[x], c1[x], c2[x] = w * v0, w * (cos * v1 + sin * v2), w * (cos * v2 - sin * v1)
@@ -117,21 +129,18 @@ def _turn(
 @kernel
 def _meet(first: int, last: int, fixed: Volume, moving: Volume, by: Matrix, partial: Matrix) -> None:
     """Per block: mass, sums of fixed and of moving channels, of their products and of their squares."""
-    ny, nx = fixed.shape[:2]
-    near, far = fixed.reshape(-1), moving.reshape(-1)
-    width, end_y, end_x = 4 * moving.shape[1], moving.shape[0] - 1.0, moving.shape[1] - 1.0
-    sums = np.empty(20, np.float32)
+    (ny, nx), width = fixed.shape[:2], 4 * moving.shape[1]
+    end = (moving.shape[0] - 1.0, moving.shape[1] - 1.0)
+    near, far, sums = fixed.reshape(-1), moving.reshape(-1), np.empty(20, np.float32)
     for block in range(first, last):
         out = partial[block]
         for row in range(ny * block // len(partial), ny * (block + 1) // len(partial)):
             sums[:] = 0.0
-            start_y, start_x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
+            y, x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
             for column in range(nx):
-                y, x = start_y + by[0, 1] * column, start_x + by[1, 1] * column
-                if y >= 0.0 and x >= 0.0 and y < end_y and x < end_x:
-                    i, j = int(y), int(x)
-                    tx, ty = np.float32(x - j), np.float32(y - i)
-                    meet_channels(sums, near, 4 * (row * nx + column), far, i * width + 4 * j, width, tx, ty)
+                place, ty, tx = _cell(y + by[0, 1] * column, x + by[1, 1] * column, end, width)
+                if place >= 0:
+                    meet_channels(sums, near, 4 * (row * nx + column), far, place, width, tx, ty)
             for c in range(3):
                 out[1 + c] += sums[c]
                 out[4 + c] += sums[4 + c]
@@ -170,22 +179,20 @@ def _pull(
     partial: Matrix,
 ) -> None:
     """Per block: sums of slopes by the place, y and x, times row, column and 1."""
-    ny, nx = fixed.shape[:2]
-    near, far = fixed.reshape(-1), moving.reshape(-1)
-    width, end_y, end_x = 4 * moving.shape[1], moving.shape[0] - 1.0, moving.shape[1] - 1.0
-    sums, own = np.empty(16, np.float32), shares.copy()
+    (ny, nx), width = fixed.shape[:2], 4 * moving.shape[1]
+    end = (moving.shape[0] - 1.0, moving.shape[1] - 1.0)
+    near, far, sums = fixed.reshape(-1), moving.reshape(-1), np.empty(16, np.float32)
+    own = shares.copy()
     for block in range(first, last):
         out = partial[block]
         for row in range(ny * block // len(partial), ny * (block + 1) // len(partial)):
             sums[:] = 0.0
-            start_y, start_x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
+            y, x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
             for column in range(nx):
-                y, x = start_y + by[0, 1] * column, start_x + by[1, 1] * column
-                if y >= 0.0 and x >= 0.0 and y < end_y and x < end_x:
-                    i, j = int(y), int(x)
-                    tx, ty = np.float32(x - j), np.float32(y - i)
+                place, ty, tx = _cell(y + by[0, 1] * column, x + by[1, 1] * column, end, width)
+                if place >= 0:
                     own[12] = column
-                    at, place = 4 * (row * nx + column), i * width + 4 * j
+                    at = 4 * (row * nx + column)
                     pull_channels(sums, near, at, far, place, width, tx, ty, own)
             for c in range(3):
                 down, along = sums[c], sums[4 + c]

@@ -210,7 +210,7 @@ FOUR = ir.VectorType(ir.FloatType(), 4)
 
 
 def _met(builder: Any, where: Any, arguments: Any) -> tuple[Any, Any, Any, Any, Any]:
-    """Of one point: fixed and moving lanes, the product of weights, the latter's slopes along y and x."""
+    """Of one point: fixed lanes, moving lanes, the product of weights, moving slopes along y and x."""
     long = ir.IntType(64)
     f = builder.load(where(1, arguments[2], FOUR), align=4)
     beside = builder.add(arguments[4], long(4))

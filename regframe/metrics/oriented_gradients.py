@@ -86,24 +86,21 @@ class OrientedGradients(Metric):
         """Both images' channels; those of the moving one are carried along by maps."""
         if moving.ndim != 2:
             return None
-        fixed = pairs.prepared
-        if not isinstance(fixed, Features):
-            fixed = self._features(pairs.fixed, pairs, pairs.fixed_range)
-        planes = (1, *moving.shape)
-        there = orientation.features(
-            moving.reshape(planes), weight.reshape(planes), self._settings(pairs.moving_range), scratch
-        )
+        fixed = self._fixed(pairs)
         return CarriedChannels(
             carried.interleaved(fixed, pairs.weight.reshape(fixed.trust.shape)),
-            carried.interleaved(there, weight.reshape(planes)),
+            carried.interleaved(*_made(moving, weight, self._settings(pairs.moving_range))),
         )
 
     def _both(self, pairs: Pairs) -> tuple[Features, Features, Volume]:
-        fixed = pairs.prepared
-        if not isinstance(fixed, Features):
-            fixed = self._features(pairs.fixed, pairs, pairs.fixed_range)
         moving = self._features(pairs.moving, pairs, pairs.moving_range, scratch)
-        return fixed, moving, pairs.weight.reshape(moving.trust.shape)
+        return self._fixed(pairs), moving, pairs.weight.reshape(moving.trust.shape)
+
+    def _fixed(self, pairs: Pairs) -> Features:
+        """Those prepared, or made now."""
+        if isinstance(pairs.prepared, Features):
+            return pairs.prepared
+        return self._features(pairs.fixed, pairs, pairs.fixed_range)
 
     def _features(
         self, values: Values, pairs: Pairs, span: tuple[float, float], new: New = fresh
@@ -140,15 +137,11 @@ class ChannelTranslations:
 
     def __call__(self, moving: Volume, weight: Volume) -> tuple[Scores, Scores]:
         """Values and shared weights of a moving image, its channels made here."""
-        there = weight.reshape((1,) * (3 - weight.ndim) + weight.shape)
-        made = orientation.features(moving.reshape(there.shape), there, self.settings, scratch)
-        return self._scored(channel_correlation.planes(made, there))
+        return self._scored(channel_correlation.planes(*_made(moving, weight, self.settings)))
 
     def upright(self, moving: Volume, weight: Volume) -> Turned:
         """The same of a moving image that is turned, its channels made once."""
-        there = weight.reshape(1, *weight.shape)
-        made = orientation.features(moving.reshape(there.shape), there, self.settings, scratch)
-        channels = carried.interleaved(made, there)
+        channels = carried.about_means(carried.interleaved(*_made(moving, weight, self.settings)))
 
         def score(index_map: Matrix, shape: tuple[int, int], angle_rad: float) -> tuple[Scores, Scores]:
             return self._scored(carried.turned(channels, index_map, shape, angle_rad))
@@ -170,6 +163,13 @@ class ChannelTranslations:
         per = fourier.lengthened(1.0 / np.sqrt(np.maximum(power, floor)))
         values = np.asarray(-both * per, np.float32).reshape(self.lattice)
         return values, fourier.lengthened(shared).reshape(self.lattice)
+
+
+def _made(moving: Volume, weight: Volume, settings: Settings) -> tuple[Features, Volume]:
+    """Channels of a moving image, scratch, and its weights as planes."""
+    planes = (1,) * (3 - weight.ndim) + weight.shape
+    weight = weight.reshape(planes)
+    return orientation.features(moving.reshape(planes), weight, settings, scratch), weight
 
 
 def _few(lattice: tuple[int, ...]) -> tuple[int, ...]:

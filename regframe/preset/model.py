@@ -274,9 +274,7 @@ class Stage(Record):
             for i, level in enumerate(self.levels)
             if level.carried
         ]
-        if faults:
-            raise raised(faults)
-        return self
+        raise raised(faults)
 
 
 class Filters(Record):

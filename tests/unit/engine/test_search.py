@@ -230,10 +230,10 @@ def test_a_place_may_stray_a_step_beyond_the_bounds_and_no_further(scale, angle_
 def test_places_rank_by_bounds_value_and_points_met():
     warp = Warp.of_affine(AffineMap.identity(2), Frame.about_centre(Grid.of_shape((8, 8))))
     metric = OrientedGradients()
-    near = Place(warp, warp).walked(warp, -0.40, (1.0, 1.0), within=True)
-    small = Place(warp, warp).walked(warp, -0.42, (1.0, 0.3), within=True)
-    scant = Place(warp, warp).walked(warp, -0.42, (0.5, 0.5), within=True)
-    beyond = Place(warp, warp).walked(warp, -0.90, (1.0, 1.0), within=False)
+    near = Place(warp, warp).walked(warp, -0.40).met_anew((1.0, 1.0), within=True)
+    small = Place(warp, warp).walked(warp, -0.42).met_anew((1.0, 0.3), within=True)
+    scant = Place(warp, warp).walked(warp, -0.42).met_anew((0.5, 0.5), within=True)
+    beyond = Place(warp, warp).walked(warp, -0.90).met_anew((1.0, 1.0), within=False)
 
     ranked = sorted([beyond, scant, small, near], key=lambda place: place.rank(metric))
 

@@ -52,6 +52,6 @@ def test_turned_channels_agree_with_the_naive_ones(planes):
     angle = 0.4
     matrix = np.array([[np.cos(angle), np.sin(angle), 3.0], [-np.sin(angle), np.cos(angle), 9.0]])
 
-    found = carried.turned(planes[1], matrix, (38, 44), angle)
+    found = carried.turned(carried.about_means(planes[1]), matrix, (38, 44), angle)
 
     np.testing.assert_allclose(found[:, 0], naive.turned(planes[1], matrix, (38, 44), angle), atol=2e-5)
