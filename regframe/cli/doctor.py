@@ -46,7 +46,7 @@ def _versions() -> list[tuple[str, str]]:
 
 
 def _threads() -> list[tuple[str, str]]:
-    from regframe.kernels.jit import threads
+    from regframe.kernels.sharing import threads
 
     wish = os.environ.get("REGFRAME_THREADS")
     source = f"REGFRAME_THREADS={wish}" if wish else "as many as this process may use"

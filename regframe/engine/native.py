@@ -22,7 +22,7 @@ from regframe.engine.setting import Placement, Setting, begun, opened, taken_up
 from regframe.engine.start import begin
 from regframe.errors import GeometryError, ImageError
 from regframe.image import Image
-from regframe.kernels.jit import share
+from regframe.kernels.sharing import share
 from regframe.optimizers.base import Normals, Step
 from regframe.preset import Preset, Search, Stage
 from regframe.transforms.warp import Chain, Warp

@@ -18,7 +18,7 @@ from regframe.component import Component
 from regframe.errors import PresetError
 from regframe.image import Image
 from regframe.io import digest
-from regframe.kernels.jit import threads
+from regframe.kernels.sharing import threads
 from regframe.preset import Preset
 
 PACKAGES = ("regframe", "numpy", "scipy", "numba", "simpleitk", "pydantic")

@@ -18,7 +18,7 @@ from regframe.image import Image
 from regframe.interpolators.base import Samples
 from regframe.interpolators.linear import Linear
 from regframe.kernels.fourier import lattice
-from regframe.kernels.jit import share
+from regframe.kernels.sharing import share
 from regframe.metrics.base import Pairs, Turned, Turning
 from regframe.preset import Search, Stage
 from regframe.transforms.linear import about, turn

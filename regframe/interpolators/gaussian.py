@@ -9,7 +9,7 @@ from regframe.geometry import AffineMap
 from regframe.interpolators.base import Interpolator, Samples
 from regframe.interpolators.volumes import as_3d, padded, resampled
 from regframe.kernels import blur
-from regframe.kernels.jit import share
+from regframe.kernels.sharing import share
 from regframe.types import Indices, Points, Values, Volume
 
 

@@ -8,7 +8,7 @@ from regframe.geometry import AffineMap
 from regframe.interpolators.base import Interpolator, Samples
 from regframe.interpolators.volumes import as_3d, kernel_matrix, kernel_samples, padded, resampled, summed
 from regframe.kernels import linear
-from regframe.kernels.jit import BLOCKS, share
+from regframe.kernels.sharing import BLOCKS, share
 from regframe.types import Indices, Matrix, Points, Values, Volume
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from regframe.geometry import AffineMap
 from regframe.interpolators.base import Samples
-from regframe.kernels.jit import BLOCKS, share
+from regframe.kernels.sharing import BLOCKS, share
 from regframe.types import Bins, Indices, Matrix, Values, Volume
 
 RUN = 256  # stored samples a row; the kernels' own constant

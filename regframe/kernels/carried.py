@@ -7,12 +7,17 @@ from numpy.typing import NDArray
 
 from regframe.kernels.channel_correlation import Moments
 from regframe.kernels.fir import split
-from regframe.kernels.jit import BLOCKS, kernel, meet_channels, pull_channels, share
+from regframe.kernels.jit import blend_channels, kernel, meet_channels, pull_channels
 from regframe.kernels.orientation import Features
+from regframe.kernels.sharing import BLOCKS, share
 from regframe.types import Matrix, Values, Volume
 
 U = np.uint64
 CHANNELS = 3
+WHOLE = 2.0**32
+"""Units of a point that places are counted in where they go along a row."""
+NEAR = 2.0**-20
+"""Points this near to a border, or beyond it, are not met."""
 
 
 def interleaved(made: Features, weight: Volume) -> Volume:
@@ -91,56 +96,67 @@ def turned(
 
 
 @kernel
-def _cell(y: float, x: float, end: tuple[float, float], width: int) -> tuple[int, np.float32, np.float32]:
-    """Where a point's first corner stands in the flat channels, -1 outside; and how far it is from there."""
-    if y >= 0.0 and x >= 0.0 and y < end[0] and x < end[1]:
-        i, j = int(y), int(x)
-        return i * width + 4 * j, np.float32(y - i), np.float32(x - j)
-    return -1, np.float32(0.0), np.float32(0.0)
+def _reached(start: float, step: float, count: int, end: int) -> tuple[int, int]:
+    """First and one after the last of `count` points, a step apart, that lie within [0, end), all but."""
+    first, last = 0, count
+    if step != 0.0:
+        enters, leaves = -start / step, (end - start) / step
+        if step < 0.0:
+            enters, leaves = leaves, enters
+        first = int(min(max(enters - 1.0, 0.0), count))
+        last = int(min(max(leaves + 2.0, first), count))
+    # Rounding to whole units must not lead out of the array.
+    while first < last and not NEAR <= start + step * first < end - NEAR:
+        first += 1
+    while last > first and not NEAR <= start + step * (last - 1) < end - NEAR:
+        last -= 1
+    return first, last
+
+
+@kernel
+def _way(
+    by: Matrix, row: int, count: int, shape: tuple[int, int]
+) -> tuple[int, int, tuple[int, int, int, int]]:
+    """Columns of a row that meet an array, the last not included, and how they go: y, x, and their steps."""
+    y, x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
+    first, last = _reached(y, by[0, 1], count, shape[0] - 1)
+    left, right = _reached(x, by[1, 1], count, shape[1] - 1)
+    first, last = max(first, left), min(last, right)
+    y, x = y + by[0, 1] * first, x + by[1, 1] * first
+    if not first < last:
+        return 0, 0, (0, 0, 0, 0)
+    return first, last, (int(y * WHOLE), int(x * WHOLE), int(by[0, 1] * WHOLE), int(by[1, 1] * WHOLE))
 
 
 @kernel
 def _turn(first: int, last: int, upright: Volume, by: Matrix, twice: Values, out: Volume) -> None:
     nx, flat, width = out.shape[3], upright.reshape(-1), 4 * upright.shape[1]
-    end = (upright.shape[0] - 1.0, upright.shape[1] - 1.0)
-    cos, sin, one = twice[0], twice[1], np.float32(1.0)
+    cos, sin = twice[0], twice[1]
     for row in range(first, last):
         mass, power = out[0, 0, row], out[1, 0, row]
         c0, c1, c2 = out[2, 0, row], out[3, 0, row], out[4, 0, row]
-        start_y, start_x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
-        for x in range(U(nx)):
-            place, ty, tx = _cell(start_y + by[0, 1] * x, start_x + by[1, 1] * x, end, width)
-            if place < 0:
-                mass[x] = power[x] = c0[x] = c1[x] = c2[x] = np.float32(0.0)
-                continue
-            sy, sx = one - ty, one - tx
-            p, q, r, s = sy * sx, sy * tx, ty * sx, ty * tx
-            o = U(place)
-            e = o + U(width)
-            w = p * flat[o + U(3)] + q * flat[o + U(7)] + r * flat[e + U(3)] + s * flat[e + U(7)]
-            v0 = p * flat[o] + q * flat[o + U(4)] + r * flat[e] + s * flat[e + U(4)]
-            v1 = p * flat[o + U(1)] + q * flat[o + U(5)] + r * flat[e + U(1)] + s * flat[e + U(5)]
-            v2 = p * flat[o + U(2)] + q * flat[o + U(6)] + r * flat[e + U(2)] + s * flat[e + U(6)]
-            mass[x], power[x] = w, w * (v0 * v0 + v1 * v1 + v2 * v2)
+        left, right, (y, x, down, along) = _way(by, row, nx, upright.shape[:2])
+        for line in (mass, power, c0, c1, c2):
+            line[:left] = line[right:] = np.float32(0.0)
+        for at in range(U(left), U(right)):
+            v0, v1, v2, w = blend_channels(flat, width, y, x)
+            mass[at], power[at] = w, w * (v0 * v0 + v1 * v1 + v2 * v2)
             # Seen from a grid that is turned forth, directions are turned back.
-            c0[x], c1[x], c2[x] = w * v0, w * (cos * v1 + sin * v2), w * (cos * v2 - sin * v1)
+            c0[at], c1[at], c2[at] = w * v0, w * (cos * v1 + sin * v2), w * (cos * v2 - sin * v1)
+            y, x = y + down, x + along
 
 
 @kernel
 def _meet(first: int, last: int, fixed: Volume, moving: Volume, by: Matrix, partial: Matrix) -> None:
     """Per block: mass, sums of fixed and of moving channels, of their products and of their squares."""
     (ny, nx), width = fixed.shape[:2], 4 * moving.shape[1]
-    end = (moving.shape[0] - 1.0, moving.shape[1] - 1.0)
     near, far, sums = fixed.reshape(-1), moving.reshape(-1), np.empty(20, np.float32)
     for block in range(first, last):
         out = partial[block]
         for row in range(ny * block // len(partial), ny * (block + 1) // len(partial)):
             sums[:] = 0.0
-            y, x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
-            for column in range(nx):
-                place, ty, tx = _cell(y + by[0, 1] * column, x + by[1, 1] * column, end, width)
-                if place >= 0:
-                    meet_channels(sums, near, 4 * (row * nx + column), far, place, width, tx, ty)
+            left, right, way = _way(by, row, nx, moving.shape[:2])
+            meet_channels(sums, near, far, width, way, (left, right, 4 * row * nx))
             for c in range(3):
                 out[1 + c] += sums[c]
                 out[4 + c] += sums[4 + c]
@@ -180,20 +196,13 @@ def _pull(
 ) -> None:
     """Per block: sums of slopes by the place, y and x, times row, column and 1."""
     (ny, nx), width = fixed.shape[:2], 4 * moving.shape[1]
-    end = (moving.shape[0] - 1.0, moving.shape[1] - 1.0)
     near, far, sums = fixed.reshape(-1), moving.reshape(-1), np.empty(16, np.float32)
-    own = shares.copy()
     for block in range(first, last):
         out = partial[block]
         for row in range(ny * block // len(partial), ny * (block + 1) // len(partial)):
             sums[:] = 0.0
-            y, x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
-            for column in range(nx):
-                place, ty, tx = _cell(y + by[0, 1] * column, x + by[1, 1] * column, end, width)
-                if place >= 0:
-                    own[12] = column
-                    at = 4 * (row * nx + column)
-                    pull_channels(sums, near, at, far, place, width, tx, ty, own)
+            left, right, way = _way(by, row, nx, moving.shape[:2])
+            pull_channels(sums, near, far, width, way, (left, right, 4 * row * nx), shares)
             for c in range(3):
                 down, along = sums[c], sums[4 + c]
                 out[0] += row * down

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from regframe.kernels.fir import split
-from regframe.kernels.jit import BLOCKS, kernel, share
+from regframe.kernels.jit import kernel
 from regframe.kernels.orientation import Features
 from regframe.kernels.scratch import scratch
+from regframe.kernels.sharing import BLOCKS, share
 from regframe.types import Matrix, Values, Volume
 
 U = np.uint64

@@ -9,7 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from regframe.kernels.jit import kernel, share
+from regframe.kernels.jit import kernel
+from regframe.kernels.sharing import share
 from regframe.types import Bins, Matrix, Values, Volume
 
 U = np.uint64

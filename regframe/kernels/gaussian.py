@@ -13,7 +13,8 @@ import numpy as np
 
 from regframe.errors import GeometryError
 from regframe.image import Pixels
-from regframe.kernels.jit import kernel, share
+from regframe.kernels.jit import kernel
+from regframe.kernels.sharing import share
 from regframe.types import Matrix, Values, Volume
 
 Order = Literal[0, 1, 2]

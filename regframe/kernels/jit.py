@@ -1,4 +1,4 @@
-"""The one decorator for compiled kernels, and the one way to share their work among threads.
+"""The one decorator for compiled kernels, and what the compiler cannot do by itself.
 
 Rules for a kernel: arrays and scalars in, arrays out; at most ten arguments; it calls only functions of
 its own module and takes no constant from another (the cache of compiled code is checked against the
@@ -6,11 +6,9 @@ kernel's own file alone). Unsigned
 array subscripts spare the test for negative ones and are worth 1.5x in the hot loops.
 """
 
-import os
-import threading
-from collections.abc import Callable
-from functools import cache
-from queue import SimpleQueue
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from functools import partial
 from typing import Any, Protocol, TypeVar, cast
 
 import numba
@@ -20,13 +18,11 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-BLOCKS = 8
-"""Reductions are cut into this many parts, whatever the number of threads, and summed in order."""
-
-
 Array = NDArray[np.float64]
 Four = tuple[float, float, float, float]
 F = TypeVar("F", bound=Callable[..., Any])
+LONG = ir.IntType(64)
+FOUR, EIGHT = (ir.VectorType(ir.FloatType(), lanes) for lanes in (4, 8))
 
 
 def kernel(function: F) -> F:
@@ -149,100 +145,136 @@ def _add_powers(_: Any, array: Any, cells: Any, t: Any, shares: Any, k: Any) -> 
 
 
 @intrinsic
-def _meet_channels(
-    _: Any, sums: Any, fixed: Any, at: Any, moving: Any, place: Any, width: Any, tx: Any, ty: Any
-) -> Any:
-    """Add one point's share to what a correlation of channels is made of, four float32 lanes at once.
+def _blend_channels(_: Any, moving: Any, width: Any, y: Any, x: Any) -> Any:
+    """The four numbers of a flat array of points at a place, see `_between`, as a tuple."""
 
-    Of both flat arrays a point is four neighbours: three channels and a weight. The moving ones are those
-    at `place`, blended with the next point and those `width` further on by `tx, ty`. With w the product of
-    both weights, `sums` gains w f, w m, w f m, w f f and w m m, four lanes each; the last lane of the first
-    is the mass.
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        where = _where(context, builder, signature, arguments)
+        m, _, _ = _between(builder, partial(where, 0), *arguments[1:])
+        lanes = [builder.extract_element(m, ir.IntType(32)(lane)) for lane in range(4)]
+        return context.make_tuple(builder, signature.return_type, lanes)
+
+    return numba.types.UniTuple(numba.float32, 4)(moving, width, y, x), generate
+
+
+@intrinsic
+def _meet_channels(_: Any, sums: Any, fixed: Any, moving: Any, width: Any, way: Any, run: Any) -> Any:
+    """Add a run of points' shares to what a correlation of channels is made of, four float32 lanes at once.
+
+    Of both flat arrays a point is four neighbours: three channels and a weight. For `way` and `run` see
+    `_each`, for the moving ones, whose rows are `width` numbers long, `_between`. With w the product of both
+    weights, `sums` gains w f, w m, w f m, w f f and w m m, four lanes each; the last lane of the first is
+    the mass.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         where = _where(context, builder, signature, arguments)
-        f, m, w, _, _ = _met(builder, where, arguments)
-        f = builder.insert_element(f, ir.Constant(ir.FloatType(), 1.0), ir.IntType(32)(3))
-        wf, wm = builder.fmul(w, f), builder.fmul(w, m)
-        parts = (wf, wm, builder.fmul(wf, m), builder.fmul(wf, f), builder.fmul(wm, m))
-        _add_lanes(builder, where, parts)
+        with _each(builder, partial(where, 0), 5, arguments[4:]) as (add, at, y, x, _):
+            m, _, _ = _between(builder, partial(where, 2), arguments[3], y, x)
+            f, w = _weighed(builder, where(1, at, FOUR), m)
+            f = builder.insert_element(f, ir.Constant(ir.FloatType(), 1.0), ir.IntType(32)(3))
+            wf, wm = builder.fmul(w, f), builder.fmul(w, m)
+            add(wf, wm, builder.fmul(wf, m), builder.fmul(wf, f), builder.fmul(wm, m))
         return context.get_dummy_value()
 
-    return numba.void(sums, fixed, at, moving, place, width, tx, ty), generate
+    return numba.void(sums, fixed, moving, width, way, run), generate
 
 
 @intrinsic
 def _pull_channels(
-    _: Any,
-    sums: Any,
-    fixed: Any,
-    at: Any,
-    moving: Any,
-    place: Any,
-    width: Any,
-    tx: Any,
-    ty: Any,
-    shares: Any,
+    _: Any, sums: Any, fixed: Any, moving: Any, width: Any, way: Any, run: Any, shares: Any
 ) -> Any:
-    """Add one point's share to the slopes of a correlation of channels by the point's place.
+    """Add a run of points' shares to the slopes of a correlation of channels by the points' places.
 
     Points as for `_meet_channels`. `shares` holds four lanes each of by_f, by_m and a mean; with the force
-    w (by_f f + by_m m - mean), `sums` gains force dm/dy, force dm/dx, and both times the number that follows.
+    w (by_f f + by_m m - mean), `sums` gains force dm/dy, force dm/dx, and both times the column.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         where = _where(context, builder, signature, arguments)
-        f, m, w, down, along = _met(builder, where, arguments)
-        by_f, by_m, mean = (builder.load(where(8, ir.IntType(64)(4 * i), FOUR), align=4) for i in range(3))
-        force = builder.fadd(builder.fmul(by_f, f), builder.fmul(by_m, m))
-        force = builder.fmul(w, builder.fsub(force, mean))
-        down, along = builder.fmul(force, down), builder.fmul(force, along)
-        lever = _lanes(builder, builder.load(where(8, ir.IntType(64)(12), ir.FloatType())))
-        parts = (down, along, builder.fmul(lever, down), builder.fmul(lever, along))
-        _add_lanes(builder, where, parts)
+        by_f, by_m, mean = (builder.load(where(6, LONG(4 * i), FOUR), align=4) for i in range(3))
+        with _each(builder, partial(where, 0), 4, arguments[4:]) as (add, at, y, x, column):
+            m, down, along = _between(builder, partial(where, 2), arguments[3], y, x)
+            f, w = _weighed(builder, where(1, at, FOUR), m)
+            force = builder.fadd(builder.fmul(by_f, f), builder.fmul(by_m, m))
+            force = builder.fmul(w, builder.fsub(force, mean))
+            down, along = builder.fmul(force, down), builder.fmul(force, along)
+            lever = _lanes(builder, builder.sitofp(column, ir.FloatType()), 4)
+            add(down, along, builder.fmul(lever, down), builder.fmul(lever, along))
         return context.get_dummy_value()
 
-    return numba.void(sums, fixed, at, moving, place, width, tx, ty, shares), generate
+    return numba.void(sums, fixed, moving, width, way, run, shares), generate
 
 
-FOUR = ir.VectorType(ir.FloatType(), 4)
+@contextmanager
+def _each(builder: Any, sums: Callable[..., Any], count: int, given: Any) -> Iterator[tuple[Any, ...]]:
+    """A loop along a row: what adds `count` vectors to the sums, then a point's place, y, x and column.
+
+    Of what is given, the first is y and x where the row begins and their steps, as `_between` takes them;
+    the second the first column, the one after the last, and where in the fixed array the row begins. The
+    sums live in registers meanwhile.
+    """
+    (y, x, down, along), (first, last, row) = (cgutils.unpack_tuple(builder, one) for one in given[:2])
+    places = [cgutils.alloca_once_value(builder, one) for one in (y, x)]
+    totals = [cgutils.alloca_once(builder, FOUR) for _ in range(count)]
+    for i, total in enumerate(totals):
+        builder.store(builder.load(sums(LONG(4 * i), FOUR), align=4), total)
+
+    def add(*parts: Any) -> None:
+        for total, part in zip(totals, parts, strict=True):
+            builder.store(builder.fadd(builder.load(total), part), total)
+
+    with cgutils.for_range_slice(builder, first, last, LONG(1)) as (column, _):
+        here = [builder.load(place) for place in places]
+        yield add, builder.add(row, builder.shl(column, LONG(2))), *here, column
+        for place, at, step in zip(places, here, (down, along), strict=True):
+            builder.store(builder.add(at, step), place)
+    for i, total in enumerate(totals):
+        builder.store(builder.load(total), sums(LONG(4 * i), FOUR), align=4)
 
 
-def _met(builder: Any, where: Any, arguments: Any) -> tuple[Any, Any, Any, Any, Any]:
-    """Of one point: fixed lanes, moving lanes, the product of weights, moving slopes along y and x."""
-    long = ir.IntType(64)
-    f = builder.load(where(1, arguments[2], FOUR), align=4)
-    beside = builder.add(arguments[4], long(4))
-    corners = []
-    for place in (arguments[4], beside):
-        for shift in (long(0), arguments[5]):
-            corners.append(builder.load(where(3, builder.add(place, shift), FOUR), align=4))
-    near, below, right, across = corners
-    tx, ty = (_lanes(builder, one) for one in arguments[6:8])
-    top_slope, bottom_slope = builder.fsub(right, near), builder.fsub(across, below)
-    top = builder.fadd(near, builder.fmul(top_slope, tx))
-    down = builder.fsub(builder.fadd(below, builder.fmul(bottom_slope, tx)), top)
-    along = builder.fadd(top_slope, builder.fmul(builder.fsub(bottom_slope, top_slope), ty))
-    m = builder.fadd(top, builder.fmul(down, ty))
-    last = ir.IntType(32)(3)
-    weight = builder.fmul(builder.extract_element(f, last), builder.extract_element(m, last))
-    return f, m, _lanes(builder, weight), down, along
+def _between(builder: Any, array: Callable[..., Any], width: Any, y: Any, x: Any) -> tuple[Any, Any, Any]:
+    """Four lanes between the points of a flat array, and their slopes along y and x.
+
+    y and x count in 2^-32 of a point, as integers: adding steps and taking what is whole cost half of what
+    they do in floating point. Both neighbours of a row are one vector of eight.
+    """
+
+    def rest(place: Any) -> Any:
+        low = builder.lshr(builder.trunc(place, ir.IntType(32)), ir.IntType(32)(1))
+        return builder.fmul(builder.sitofp(low, ir.FloatType()), ir.Constant(ir.FloatType(), 2.0**-31))
+
+    row, column = (builder.ashr(place, LONG(32)) for place in (y, x))
+    first = builder.add(builder.mul(row, width), builder.shl(column, LONG(2)))
+    above, below = (builder.load(array(at, EIGHT), align=4) for at in (first, builder.add(first, width)))
+    down = builder.fsub(below, above)
+    met = builder.fadd(above, builder.fmul(down, _lanes(builder, rest(y), 8)))
+    (left, right), (falls, rises) = (
+        [builder.shuffle_vector(both, both, _numbers(range(k, k + 4))) for k in (0, 4)]
+        for both in (met, down)
+    )
+    along, tx = builder.fsub(right, left), _lanes(builder, rest(x), 4)
+    fall = builder.fadd(falls, builder.fmul(builder.fsub(rises, falls), tx))
+    return builder.fadd(left, builder.fmul(along, tx)), fall, along
 
 
-def _lanes(builder: Any, number: Any) -> Any:
-    """A vector of four times the same number."""
-    vector = ir.Constant(FOUR, ir.Undefined)
-    for lane in range(4):
-        vector = builder.insert_element(vector, number, ir.IntType(32)(lane))
-    return vector
+def _weighed(builder: Any, place: Any, m: Any) -> tuple[Any, Any]:
+    """Fixed lanes, and the product of both weights as four lanes."""
+    f = builder.load(place, align=4)
+    both = builder.fmul(f, m)
+    return f, builder.shuffle_vector(both, both, _numbers([3] * 4))
 
 
-def _add_lanes(builder: Any, where: Any, parts: tuple[Any, ...]) -> None:
-    """Add vectors to the first argument, four numbers each."""
-    for i, part in enumerate(parts):
-        place = where(0, ir.IntType(64)(4 * i), FOUR)
-        builder.store(builder.fadd(builder.load(place, align=4), part), place, align=4)
+def _lanes(builder: Any, number: Any, count: int) -> Any:
+    """A vector of so many times the same number."""
+    vector = ir.Constant(ir.VectorType(number.type, count), ir.Undefined)
+    vector = builder.insert_element(vector, number, ir.IntType(32)(0))
+    return builder.shuffle_vector(vector, vector, _numbers([0] * count))
+
+
+def _numbers(lanes: Iterable[int]) -> Any:
+    numbers = list(lanes)
+    return ir.Constant(ir.VectorType(ir.IntType(32), len(numbers)), numbers)
 
 
 def _where(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -257,7 +289,7 @@ def _where(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 def _shuffled(builder: Any, first: Any, second: Any, lanes: tuple[int, ...]) -> Any:
     """Lanes of two vectors, those of the second counted on."""
-    return builder.shuffle_vector(first, second, ir.Constant(ir.VectorType(ir.IntType(32), 4), list(lanes)))
+    return builder.shuffle_vector(first, second, _numbers(lanes))
 
 
 # To numba these are the functions above; to the type checker, what kernels may call.
@@ -265,6 +297,7 @@ prefetch = cast("Callable[[Array, int], None]", _prefetch)
 columns = cast("Callable[[Array, int, int, Four], Four]", _columns)
 blend = cast("Callable[[Array, int, Array, Array, int, int, int, Array, Array], None]", _blend)
 meet_channels = cast("Callable[..., None]", _meet_channels)
+blend_channels = cast("Callable[..., tuple[float, float, float, float]]", _blend_channels)
 pull_channels = cast("Callable[..., None]", _pull_channels)
 add_powers = cast("Callable[[Array, Array, Array, Array, int], None]", _add_powers)
 
@@ -306,87 +339,3 @@ def outputs(function: Compiled, count: int) -> int:
         message = f"{compiler.__name__} must return a number or a tuple of numbers. Got {given}."
         raise TypeError(message)
     return len(numbers) if isinstance(given, numba.types.BaseTuple) else 0
-
-
-def threads() -> int:
-    """Number of threads: ``REGFRAME_THREADS`` where set, else the processors this process may use."""
-    wish = os.environ.get("REGFRAME_THREADS", "")
-    if wish.isdigit() and int(wish) > 0:
-        return int(wish)
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-class _Here(threading.local):
-    """Whether this thread is at work on a part already."""
-
-    sharing = False
-
-
-_here = _Here()
-
-
-class _Part:
-    """One thread's part of shared work."""
-
-    def __init__(self, function: Callable[..., object], first: int, last: int, arguments: Any) -> None:
-        self._call = function, first, last, arguments
-        self._error: BaseException | None = None
-        self._busy = threading.Lock()
-        self._busy.acquire()
-
-    def run(self) -> None:
-        """Do it; an error waits for the one who asked."""
-        function, first, last, arguments = self._call
-        _here.sharing = True
-        try:
-            function(first, last, *arguments)
-        except BaseException as error:
-            self._error = error
-        finally:
-            _here.sharing = False
-            self._busy.release()
-
-    def wait(self) -> None:
-        """Return when it is done, or raise its error."""
-        self._busy.acquire()
-        if self._error is not None:
-            raise self._error
-
-
-@cache
-def _pool(size: int) -> SimpleQueue[_Part]:
-    """A queue that as many threads serve: half the price of an executor, which counts where work is short."""
-    queue: SimpleQueue[_Part] = SimpleQueue()
-    for i in range(size):
-        threading.Thread(target=_serve, args=(queue,), name=f"regframe_{i}", daemon=True).start()
-    return queue
-
-
-def _serve(queue: SimpleQueue[_Part]) -> None:
-    while True:
-        queue.get().run()
-
-
-if hasattr(os, "register_at_fork"):
-    # A forked child inherits the pool's record but none of its threads; it must build its own.
-    os.register_at_fork(after_in_child=_pool.cache_clear)
-
-
-def share(function: Callable[..., object], count: int, *arguments: Any) -> None:
-    """Call ``function(first, last, *arguments)`` on parts of ``range(count)``, one a thread.
-
-    Results must not depend on the cut: a kernel writes each item to its own place. For sums, let `count`
-    be `BLOCKS` and give every block its own partial sum.
-    """
-    parts = 1 if _here.sharing else min(threads(), count)
-    if parts <= 1:
-        # Work within shared work is not shared again: all threads are busy, and might wait for each other.
-        function(0, count, *arguments)
-        return
-    edges = [count * i // parts for i in range(parts + 1)]
-    work = [_Part(function, edges[i], edges[i + 1], arguments) for i in range(parts)]
-    for part in work[1:]:
-        _pool(parts - 1).put(part)
-    work[0].run()
-    for part in work:
-        part.wait()

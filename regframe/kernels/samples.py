@@ -8,7 +8,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from regframe.kernels.jit import BLOCKS, Compiled, compiled, outputs, share
+from regframe.kernels.jit import Compiled, compiled, outputs
+from regframe.kernels.sharing import BLOCKS, share
 from regframe.types import Values
 
 Argument = NDArray[np.float64] | float

@@ -8,7 +8,8 @@ is one slice. `matrix` is (3, 4), array order, and sums x first.
 
 import numpy as np
 
-from regframe.kernels.jit import kernel, share
+from regframe.kernels.jit import kernel
+from regframe.kernels.sharing import share
 from regframe.types import Bins, Indices, Matrix, Values, Volume
 
 U = np.uint64

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from regframe.kernels import context, fir
-from regframe.kernels.jit import share
+from regframe.kernels.sharing import share
 from regframe.metrics.base import Metric, Pairs
 from regframe.types import Bins, Mask, Values, Volume
 

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from regframe.kernels import edges
-from regframe.kernels.jit import share
+from regframe.kernels.sharing import share
 from regframe.metrics.base import Metric, Pairs
 from regframe.types import Values, Volume
 

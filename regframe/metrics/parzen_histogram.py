@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from regframe.kernels import parzen
-from regframe.kernels.jit import BLOCKS, share
+from regframe.kernels.sharing import BLOCKS, share
 from regframe.metrics.base import Pairs
 from regframe.types import Cells, Mask, Matrix, Values
 

@@ -12,7 +12,7 @@ from regframe.engine.scales import Coordinates, coordinates
 from regframe.engine.setting import Setting, taken_up
 from regframe.errors import NoTwin
 from regframe.image import Image
-from regframe.kernels.jit import threads
+from regframe.kernels.sharing import threads
 from regframe.optimizers.base import Optimizer
 from regframe.optimizers.gradient_descent import GradientDescent
 from regframe.optimizers.regular_step_gradient_descent import RegularStepGradientDescent

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from regframe.geometry import AffineMap, Frame, Grid
 from regframe.kernels import lattice as kernels
-from regframe.kernels.jit import BLOCKS, share
+from regframe.kernels.sharing import BLOCKS, share
 from regframe.transforms.base import Transform
 from regframe.transforms.lattice import lattice, refined, refit
 from regframe.types import Bins, Indices, Params, Points, Values

@@ -9,7 +9,7 @@ from pydantic import Field
 from regframe.geometry import AffineMap, Frame, Grid
 from regframe.kernels import field as kernels
 from regframe.kernels.discrete import window
-from regframe.kernels.jit import share
+from regframe.kernels.sharing import share
 from regframe.transforms.base import Transform
 from regframe.types import Bins, Indices, Params, Points, Volume
 

@@ -8,7 +8,7 @@ import numpy as np
 from regframe.errors import GeometryError
 from regframe.geometry import AffineMap, Grid
 from regframe.kernels import spline
-from regframe.kernels.jit import share
+from regframe.kernels.sharing import share
 from regframe.types import Indices, Matrix, Params, Points, Values, Volume
 
 _RIM = 0.125

@@ -3,7 +3,7 @@
 import numpy as np
 
 from regframe.kernels import planar as kernels
-from regframe.kernels.jit import BLOCKS, share
+from regframe.kernels.sharing import BLOCKS, share
 from regframe.transforms.homography import Homography
 from regframe.transforms.lens import Lens
 from regframe.types import Params, Points, Values

@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from regframe.kernels.jit import share
+from regframe.kernels.sharing import share
 
 
 @pytest.fixture(autouse=True)
