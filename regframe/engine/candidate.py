@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass, replace
 from typing import Self
 
-import numpy as np
-
 from regframe.engine.setting import Setting
 from regframe.metrics.base import Metric
 from regframe.transforms.warp import Chain, Warp
@@ -36,6 +34,26 @@ class Candidate:
     values: tuple[float, ...] = ()
 
 
+def surely(metric: Metric, value: float, overlap: float, met: float) -> float:
+    """A value that few points are less sure of: nearer to what unrelated images have.
+
+    By chance alone the correlation of n independent points strays from 0 by 1 / sqrt(n), so that little
+    overlap says less. That a frame is small to begin with counts by half the power: what is alike by
+    structure strays as far however few points it holds.
+
+    Parameters
+    ----------
+    metric : Metric
+    value : float
+    overlap, met : float
+        What meets, as a share of the smaller frame and of the fixed one; NaN where nobody asked.
+    """
+    if metric.unrelated is None or not math.isfinite(met):
+        return value
+    sure = math.sqrt(overlap) * (met / overlap) ** 0.25 if overlap > 0.0 else 0.0
+    return metric.unrelated + (value - metric.unrelated) * sure
+
+
 @dataclass(frozen=True, eq=False)
 class Place:
     """A candidate as its stage knows it: maps from the domain, of the stage's family."""
@@ -57,17 +75,9 @@ class Place:
         return replace(self, overlap=shares[0], met=shares[1], within=within)
 
     def rank(self, metric: Metric) -> tuple[bool, float]:
-        """What places are sorted by, lower first: those within bounds by value, less sure for few points.
-
-        By chance alone the correlation of n independent points strays from 0 by 1 / sqrt(n), so that little
-        overlap says less. That a frame is small to begin with counts by half the power: what is alike by
-        structure strays as far however few points it holds.
-        """
+        """What places are sorted by, lower first: those within bounds, then by how sure their value is."""
         value = self.values[-1] if self.values else self.value
-        if metric.unrelated is not None and np.isfinite(self.met):
-            sure = math.sqrt(self.overlap) * (self.met / self.overlap) ** 0.25 if self.overlap > 0.0 else 0.0
-            value = metric.unrelated + (value - metric.unrelated) * sure
-        return not self.within, value
+        return not self.within, surely(metric, value, self.overlap, self.met)
 
     def candidate(self, setting: Setting) -> Candidate:
         """The same with the whole ways from the fixed to the moving image."""

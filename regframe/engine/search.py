@@ -1,15 +1,16 @@
 """A start by search: every rotation, scale and shift within bounds, coarsely."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from regframe.engine.averaging import Pyramid, fitting, magnification, reduction
-from regframe.engine.candidate import Place
+from regframe.engine.candidate import Place, surely
 from regframe.engine.setting import Setting
 from regframe.engine.start import base_scale, placed_on
 from regframe.errors import GeometryError, NoOverlapError
@@ -18,6 +19,7 @@ from regframe.image import Image
 from regframe.interpolators.base import Samples
 from regframe.interpolators.linear import Linear
 from regframe.kernels.fourier import lattice
+from regframe.kernels.lowest import lowest
 from regframe.kernels.sharing import share
 from regframe.metrics.base import Pairs, Turned, Turning
 from regframe.preset import Search, Stage
@@ -66,10 +68,10 @@ def search(stage: Stage, pyramid: Pyramid, setting: Setting) -> tuple[Place, ...
         raise NoOverlapError(message)
     fixed = pyramid.images[0].grid
     apart = APART * min(fixed.spacing) * fitting(fixed.shape, options.size)
-    return distinct(ranked, options.keep[0], setting.domain, apart)
+    return distinct((one.place() for one in ranked), options.keep[0], setting.domain, apart)
 
 
-def tried(stage: Stage, pyramid: Pyramid, setting: Setting) -> list[Place]:
+def tried(stage: Stage, pyramid: Pyramid, setting: Setting) -> list["_Shift"]:
     """The best few shifts of every rotation and scale, sorted; see `search`."""
     options, dim = stage.start, pyramid.images[0].dim
     assert isinstance(options, Search)
@@ -85,9 +87,9 @@ def tried(stage: Stage, pyramid: Pyramid, setting: Setting) -> list[Place]:
     scales = [one for one in made if one is not None]
     # Turn by turn, so that parts of the list are equally large canvases' work.
     places = [(scale, angle) for angle in field.turns() for scale in scales]
-    found: list[list[Place]] = [[] for _ in places]
+    found: list[list[_Shift]] = [[] for _ in places]
     share(partial(_score_places, places, found), len(places))
-    return sorted((one for few in found for one in few), key=lambda one: one.rank(stage.metric))
+    return sorted((one for few in found for one in few), key=_Shift.rank)
 
 
 def _make_scales(
@@ -98,14 +100,14 @@ def _make_scales(
 
 
 def _score_places(
-    places: list[tuple["_Scale", float]], found: list[list[Place]], first: int, last: int
+    places: list[tuple["_Scale", float]], found: list[list["_Shift"]], first: int, last: int
 ) -> None:
     for i in range(first, last):
         scale, angle = places[i]
         found[i] = scale.score(angle)
 
 
-def distinct(ranked: list[Place], most: int, grid: Grid, apart: float) -> tuple[Place, ...]:
+def distinct(ranked: Iterable[Place], most: int, grid: Grid, apart: float) -> tuple[Place, ...]:
     """The first candidates of a list whose corners lie apart from those of all before, at most so many."""
     kept: list[Place] = []
     corners: list[Points] = []
@@ -147,7 +149,7 @@ class _Field:
         weight = (
             np.ones(self.grid.size) if self.fixed.mask is None else self.fixed.mask.ravel().astype(np.float64)
         )
-        self.pairs = Pairs(
+        pairs = Pairs(
             np.asarray(self.fixed.values, np.float64).ravel(),
             np.empty(0),
             weight,
@@ -155,6 +157,8 @@ class _Field:
             moving.range(),
             self.grid.shape,
         )
+        self.pairs = replace(pairs, prepared=stage.metric.prepare(pairs))
+        self.outline = _outline(moving.grid)
         self.mass = float(weight.sum())
 
     def small(self, scale: float) -> Image:
@@ -201,54 +205,57 @@ class _Scale:
             )
         ]
         self.reach = tuple(field.options.shift * length for length in lengths)
-        self.canvases = {angle: self._canvas_grid(self._centred(angle)) for angle in field.turns()}
+        self.centred = {angle: self._centred(angle) for angle in (0.0, *field.turns())}
+        self.canvases = {angle: self._canvas_grid(one) for angle, one in self.centred.items()}
         widest = [max(sizes) for sizes in zip(*(one.shape for one in self.canvases.values()), strict=True)]
         self.shape = lattice(
             max(n, m, (n + m) / 2 + r + 1) for n, m, r in zip(grid.shape, widest, self.reach, strict=True)
         )
         metric = field.stage.metric
         self.translations = metric.translations(field.pairs, self.shape)
-        self.prepared = metric.prepare(field.pairs) if self.translations is None else None
-        self.upright = self._canvas_grid(self._centred(0.0))
-        values, weight = self._canvas(self.upright, self._centred(0.0))
+        upright = self.canvases[0.0]
+        self.upright = upright.point_to_index @ self.centred[0.0].inverse()
+        values, weight = self._canvas(upright, self.centred[0.0])
         self.mass = float(weight.sum())
         self.turned: Turned | None = None
         if isinstance(self.translations, Turning):
             self.turned = self.translations.upright(values, weight)
 
-    def score(self, angle: float) -> list[Place]:
+    def score(self, angle: float) -> list["_Shift"]:
         """The best few shifts at a rotation."""
-        field, shape, centred = self.field, self.shape, self._centred(angle)
-        grid = self.canvases[angle]
+        field, grid = self.field, self.canvases[angle]
         # Translation t lets fixed x meet canvas x + t; the two centres meet at `met`.
         met = np.rint(field.grid.point_to_index(np.array([grid.origin]))[0, ::-1]).astype(int)
-        off = [(np.arange(n) + f + n // 2) % n - n // 2 for n, f in zip(shape, met, strict=True)]
-        scored: Scores
-        shared: Scores
-        if self.turned is not None:
-            onto = self.upright.point_to_index @ self._centred(0.0).inverse() @ centred
-            index_map = (onto @ grid.index_to_point).reversed_axes().homogeneous()[:-1]
-            scored, shared = self.turned(index_map, (grid.shape[0], grid.shape[1]), angle)
-        elif self.translations is not None:
-            scored, shared = self.translations(*self._canvas(grid, centred))
-        else:
-            at = (int(met[0]), int(met[1]))
-            scored, shared = self._one_by_one(*self._canvas(grid, centred), off, at)
-        near = (np.abs(off[0]) <= self.reach[0])[:, None] & (np.abs(off[1]) <= self.reach[1])[None]
-        smaller = min(field.mass, self.mass)
-        overlap = shared / max(smaller, 1.0)
-        allowed = near & (overlap >= field.options.overlap)
-        bounded = np.where(allowed, scored, np.inf)
+        off = [(np.arange(n) + f + n // 2) % n - n // 2 for n, f in zip(self.shape, met, strict=True)]
+        scored, shared = self._everywhere(angle, off, (int(met[0]), int(met[1])))
+        rows, columns = (np.flatnonzero(np.abs(o) <= r) for o, r in zip(off, self.reach, strict=True))
+        smaller = max(min(field.mass, self.mass), 1.0)
+        best = lowest(scored, shared, (rows, columns), field.options.overlap * smaller, EACH, NEAR)
         found = []
-        for y, x in _lowest(bounded, EACH):
-            shift = field.grid.index_to_point.matrix @ np.array([off[1][x], off[0][y]], np.float64)
-            affine = centred @ AffineMap(np.eye(2), shift)
-            warp = placed_on(field.stage, affine, field.moving.grid, field.setting)
-            place = Place(
-                warp, warp, float(scored[y, x]), float(overlap[y, x]), met=float(shared[y, x]) / field.mass
-            )
-            found.append(place)
+        for y, x in best.tolist():
+            value, meets = float(scored[y, x]), float(shared[y, x])
+            shift = float(off[1][x]), float(off[0][y])
+            found.append(_Shift(self, angle, shift, value, meets / smaller, meets / field.mass))
         return found
+
+    def place(self, angle: float, shift: tuple[float, float]) -> Warp:
+        """The map at a rotation and a shift, x first, in grid points."""
+        field, grid = self.field, self.field.grid
+        shifted = AffineMap(np.eye(2), grid.index_to_point.matrix @ np.array(shift))
+        affine = self.centred[angle] @ shifted
+        return placed_on(field.stage, affine, field.moving.grid, field.setting)
+
+    def _everywhere(
+        self, angle: float, off: list[NDArray[np.int64]], met: tuple[int, int]
+    ) -> tuple[Scores, Scores]:
+        """Values and shared weights at a rotation, at all shifts of the lattice."""
+        grid, centred = self.canvases[angle], self.centred[angle]
+        if self.turned is not None:
+            index_map = (self.upright @ centred @ grid.index_to_point).reversed_axes().homogeneous()[:-1]
+            return self.turned(index_map, (grid.shape[0], grid.shape[1]), angle)
+        if self.translations is not None:
+            return self.translations(*self._canvas(grid, centred))
+        return self._one_by_one(*self._canvas(grid, centred), off, met)
 
     def _centred(self, angle: float) -> AffineMap:
         """The map at this scale and a rotation that brings both centres together."""
@@ -259,7 +266,7 @@ class _Scale:
         """The grid, in line with the fixed one, that holds the whole moving image under a map."""
         grid = self.field.grid
         back = grid.point_to_index @ centred.inverse()
-        corners = back(_outline(self.field.moving.grid))[:, ::-1]
+        corners = back(self.field.outline)[:, ::-1]
         first, last = np.floor(corners.min(axis=0)), np.ceil(corners.max(axis=0))
         shape = tuple(int(n) for n in last - first + 1)
         return Grid(shape, grid.spacing, tuple(map(float, grid.points(first[None])[0])), grid.direction)
@@ -288,10 +295,30 @@ class _Scale:
             values_met, there = (_window(one, at, self.field.grid.shape) for one in (moving, weight))
             there = there * pairs.weight
             shared[y, x] = there.sum()
-            one = replace(pairs, moving=values_met, weight=there, prepared=self.prepared)
+            one = replace(pairs, moving=values_met, weight=there)
             value = metric.value(one) if there.any() else np.inf
             values[y, x] = value if np.isfinite(value) else np.inf
         return values, shared
+
+
+class _Shift(NamedTuple):
+    """One of the best shifts at a scale and a rotation."""
+
+    scale: _Scale
+    angle: float
+    shift: tuple[float, float]  # x first, grid points
+    value: float
+    overlap: float
+    met: float
+
+    def rank(self) -> float:
+        """What shifts are sorted by, lower first; as `Place.rank`."""
+        return surely(self.scale.field.stage.metric, self.value, self.overlap, self.met)
+
+    def place(self) -> Place:
+        """The same as a map of the stage's family."""
+        warp = self.scale.place(self.angle, self.shift)
+        return Place(warp, warp, self.value, self.overlap, met=self.met)
 
 
 def _cells(low: float, high: float, stride: float) -> NDArray[np.float64]:
@@ -304,19 +331,6 @@ def _outline(grid: Grid) -> Points:
     """Outer corners of the corner pixels."""
     far = np.array(grid.shape, np.float64) - 0.5
     return grid.points(np.array(list(product(*((-0.5, end) for end in far)))))
-
-
-def _lowest(values: Volume, most: int) -> Iterator[tuple[int, int]]:
-    """Places of the lowest values, at most so many, none within `NEAR` of one before; changes `values`."""
-    for _ in range(most):
-        y, x = divmod(int(values.argmin()), values.shape[1])
-        if not np.isfinite(values[y, x]):
-            return
-        yield y, x
-        rows, columns = (
-            np.arange(at - NEAR, at + NEAR + 1) % n for at, n in zip((y, x), values.shape, strict=True)
-        )
-        values[np.ix_(rows, columns)] = np.inf
 
 
 def _window(volume: Volume, offset: tuple[int, int], shape: tuple[int, ...]) -> Params:

@@ -80,7 +80,7 @@ def information(
     columns = np.zeros((len(moving), *shape), np.float32)
     joint = np.zeros(tuple(shape), np.float32)
     for one in fixed:
-        counts = np.maximum(correlate(one[None, None], above[:, None], shape), 0.0)
+        counts = np.maximum(correlate(one[None], above[:, None], shape), 0.0)
         joint += _log_sum(counts)
         rows += _log_sum(counts.sum(axis=0)[None])
         columns += counts

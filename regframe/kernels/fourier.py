@@ -13,6 +13,7 @@ from regframe.kernels.jit import kernel
 from regframe.types import Scores, Volume
 
 Spectrum = NDArray[np.complex64]
+U = np.uint64
 
 
 BLOCK = 4
@@ -99,7 +100,8 @@ def correlate(fixed: Spectrum, moving: Spectrum, shape: Sequence[int]) -> NDArra
 
     Parameters
     ----------
-    fixed, moving : (..., c, *lattice) spectra
+    fixed : (c, *lattice) spectra
+    moving : (..., c, *lattice) spectra
     shape : tuple of int
         The lattice's.
 
@@ -110,6 +112,22 @@ def correlate(fixed: Spectrum, moving: Spectrum, shape: Sequence[int]) -> NDArra
     """
     from scipy.fft import irfftn
 
-    product = (fixed.conj() * moving).sum(axis=-1 - len(shape))
+    (channels, *bins), size = fixed.shape, fixed[0].size
+    product = np.empty((*moving.shape[: -1 - len(bins)], *bins), np.complex64)
+    above = moving.reshape(-1, channels, size)
+    _multiply(fixed.reshape(channels, size), above, product.reshape(-1, size))
     found: NDArray[np.float32] = irfftn(product, tuple(shape), axes=tuple(range(-len(shape), 0)), workers=1)
     return found
+
+
+@kernel
+def _multiply(fixed: Spectrum, moving: Spectrum, out: Spectrum) -> None:
+    """Sums of conjugate products over channels: of (c, n) with (k, c, n) into (k, n)."""
+    channels, count = fixed.shape
+    for k in range(len(out)):
+        line = out[k]
+        line[:] = np.complex64(0.0)
+        for c in range(channels):
+            below, above = fixed[c], moving[k, c]
+            for i in range(U(count)):
+                line[i] += below[i].conjugate() * above[i]

@@ -78,7 +78,7 @@ class OrientedGradients(Metric):
     def translations(self, pairs: Pairs, lattice: tuple[int, ...]) -> Translations:
         """Correlations at all translations: channels about their means over the whole image, by FFT."""
         planes = (1,) * (3 - len(lattice)) + tuple(lattice)
-        made = self._features(pairs.fixed, pairs, pairs.fixed_range, scratch)
+        made = self._fixed(pairs)
         found = channel_correlation.planes(made, pairs.weight.reshape(made.trust.shape))
         return ChannelTranslations(lattice, Transformed.of(found, planes), self._settings(pairs.moving_range))
 
