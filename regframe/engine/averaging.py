@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from regframe.engine.setting import Setting
 from regframe.geometry import Grid
@@ -92,23 +93,25 @@ def averaged(image: Image, factor: int) -> Image:
     spacing = tuple(s * w for s, w in zip(grid.spacing, reversed(widths), strict=True))
     coarse = Grid(shape, spacing, tuple(map(float, origin)), grid.direction)
     if image.mask is None:
-        values = _blocks(np.asarray(image.values)[inner], shape, widths) / np.prod(widths)
+        values = _blocks(np.asarray(image.values)[inner], widths) / np.prod(widths)
         return Image(np.asarray(values, np.float64), coarse, name=image.name)
     counted = image.mask[inner]
-    mass = _blocks(counted.astype(np.float64), shape, widths)
-    total = _blocks(np.where(counted, image.values[inner], 0.0), shape, widths)
+    mass = _blocks(counted, widths)
+    total = _blocks(np.where(counted, image.values[inner], 0.0), widths)
     mask = mass >= COUNTS * np.prod(widths)
     if not mask.any():
         mask = mass > 0
     return Image(total / np.maximum(mass, 1.0), coarse, mask, name=image.name)
 
 
-def _blocks(
-    values: "np.ndarray[tuple[int, ...], np.dtype[np.generic]]",
-    shape: tuple[int, ...],
-    widths: tuple[int, ...],
-) -> Volume:
-    """Sums over blocks."""
-    dim = len(shape)
-    divided = values.reshape([n for pair in zip(shape, widths, strict=True) for n in pair])
-    return np.asarray(divided.sum(axis=tuple(range(1, 2 * dim, 2)), dtype=np.float64))
+def _blocks(values: NDArray[np.generic], widths: tuple[int, ...]) -> Volume:
+    """Sums over blocks, of an array that they divide."""
+    found = np.asarray(values, np.float64)
+    # Slice by slice along one axis after the other: a sum over several axes takes numpy five times as long.
+    for axis, width in enumerate(widths):
+        before = (slice(None),) * axis
+        total = found[(*before, slice(0, None, width))].copy()
+        for first in range(1, width):
+            total += found[(*before, slice(first, None, width))]
+        found = total
+    return found

@@ -18,6 +18,8 @@ WHOLE = 2.0**32
 """Units of a point that places are counted in where they go along a row."""
 NEAR = 2.0**-20
 """Points this near to a border, or beyond it, are not met."""
+FAR = 2.0**30
+"""No array reaches so far; farther places would not fit the units."""
 
 
 def interleaved(made: Features, weight: Volume) -> Volume:
@@ -127,6 +129,8 @@ def _way(
 ) -> tuple[int, int, tuple[int, int, int, int]]:
     """Columns of a row that meet an array, the last not included, and how they go: y, x, and their steps."""
     y, x = by[0, 0] * row + by[0, 2], by[1, 0] * row + by[1, 2]
+    if not abs(y) + abs(x) + abs(by[0, 1]) + abs(by[1, 1]) < FAR:  # or no number
+        return 0, 0, (0, 0, 0, 0)
     first, last = _reached(y, by[0, 1], count, shape[0] - 1)
     left, right = _reached(x, by[1, 1], count, shape[1] - 1)
     first, last = max(first, left), min(last, right)

@@ -114,7 +114,7 @@ def _around(at: Params, length: float, origin: Params, reach: float) -> list[Par
 def _changed(corners: list[_Corner], measured: Measure, how: _Steps) -> list[_Corner]:
     """The simplex, from best to worst, after one reflection, expansion, contraction or shrinking."""
     best, second, worst = corners[0], corners[-2], corners[-1]
-    centre = np.array([corner.at for corner in corners[:-1]]).mean(axis=0)
+    centre = np.add.reduce([corner.at for corner in corners[:-1]]) / (len(corners) - 1)
     away = centre - worst.at
     reflected = measured(centre + away)
     if reflected.value < best.value:

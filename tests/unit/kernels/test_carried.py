@@ -1,5 +1,10 @@
+import math
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from naive import carried as naive
 from regframe.kernels import carried
@@ -34,6 +39,25 @@ def test_nothing_in_common_is_infinite(planes):
 
     assert value == np.inf
     assert not slope.any()
+
+
+@given(by=arrays(float, (2, 3), elements=st.floats(-60.0, 60.0) | st.just(1.0) | st.just(math.nan)))
+def test_a_run_holds_all_columns_that_lie_within_the_array_and_no_other(by):
+    row, count, shape = 3, 20, (24, 31)
+    places = by[:, 0] * row + by[:, 1] * np.arange(count)[:, None] + by[:, 2]
+
+    first, last, way = carried._way(by, row, count, shape)
+
+    deep = (places >= 2 * carried.NEAR) & (places < np.array(shape) - 1 - 2 * carried.NEAR)
+    assert set(np.flatnonzero(deep.all(axis=1))) <= set(range(first, last))
+    met = (np.array(way[:2]) + np.arange(max(last - first, 0))[:, None] * np.array(way[2:])) / carried.WHOLE
+    assert ((met >= 0) & (met < np.array(shape) - 1)).all()
+    np.testing.assert_allclose(met, places[first:last], atol=1e-7)
+
+
+@pytest.mark.parametrize("no_map", [np.nan, np.inf, 1e300])
+def test_what_is_no_map_meets_nothing(planes, no_map):
+    assert CarriedChannels(*planes).value(np.full((2, 3), no_map)) == np.inf
 
 
 @pytest.mark.parametrize("threads", [1, 2])
