@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from regframe.testing.phantoms import Phantom
 
 FOLDER = "regframe-demo"
-PRESET = "paper-similarity"
+PRESET = "visual-thermal"
 PAIR = ("visual.png", "thermal.png")
 
 Out = Annotated[
@@ -30,7 +30,7 @@ def demo(
     plugin: Plugins = None,
     force: Force = False,
 ) -> None:
-    """Align a built-in visual and thermal frame, print the true error, write the pictures."""
+    """Align a built-in visual and thermal frame, print the true error and the verdict, write the pictures."""
     from regframe.cli.display import Display, manner
     from regframe.engine.run import register
     from regframe.preset import load
@@ -51,14 +51,15 @@ def demo(
     typer.echo(f"Which thermal pixel belongs to which visual pixel? Preset {resolved.name} searches.")
     with Display(resolved, manner(quiet=False)) as display:
         result = register(resolved, pair.fixed, pair.moving, observers=(display,))
-    files.save(result, folder, force=force)
+    files.save(result, folder, force=force, keep_failed=True)
     _write_pair(pair, folder, force)
     before, after = (
         corner_error(warp, pair.truth, pair.fixed.grid) for warp in (first_warp(result), result.warp)
     )
-    seconds = sum(level.seconds for level in result.levels)
     typer.echo(f"\ncorner error before  {before:7.2f} thermal px")
-    typer.secho(f"corner error after   {after:7.2f} thermal px, in {seconds:.1f} s", bold=True)
+    typer.secho(f"corner error after   {after:7.2f} thermal px, in {result.seconds:.1f} s", bold=True)
+    typer.echo(f"verdict                 {result.verdict.summary()}")
+    typer.echo("                        (from the images alone, without the true answer)")
     _next_steps(folder)
 
 

@@ -15,15 +15,17 @@ COUNTS = 0.5
 """Share of a block's pixels that must count for the block to count."""
 
 
-def fitting(shape: tuple[int, ...], most: int) -> int:
-    """The least whole factor that leaves at most `most` points along every axis.
+def fitting(shape: tuple[int, ...], about: int) -> int:
+    """The whole factor that leaves about so many points along the longest axis.
+
+    The nearest one: the least that leaves no more would make 101 points of a frame of 303, for 150.
 
     Examples
     --------
-    >>> fitting((512, 640), 320), fitting((512, 641), 320), fitting((3, 4), 16)
-    (2, 3, 1)
+    >>> fitting((512, 640), 320), fitting((240, 303), 150), fitting((3, 4), 16)
+    (2, 2, 1)
     """
-    return max(1, -(-max(shape) // most))
+    return max(1, int(max(shape) / about + 0.5))
 
 
 def reduction(fixed: Grid, moving: Grid, magnification: float) -> int:
@@ -57,14 +59,14 @@ class Pyramid:
 
 
 def fitted(
-    pyramid: Pyramid, setting: Setting, warp: Warp | Chain, most: int
+    pyramid: Pyramid, setting: Setting, warp: Warp | Chain, about: int
 ) -> tuple[tuple[Image, Image], Setting]:
-    """Both images averaged until the domain has at most `most` points an axis, and the coarse domain.
+    """Both images averaged until the domain has about so many points on its longest axis, and that domain.
 
     The moving image is averaged to about the same spacing under a warp, so that both lose the same detail.
     """
     fixed, moving = pyramid.images
-    domain, factor = setting.domain, fitting(setting.domain.shape, most)
+    domain, factor = setting.domain, fitting(setting.domain.shape, about)
     below = pyramid.averaged(0, factor)
     coarse = below.grid if domain is fixed.grid else domain.coarsen(factor)
     above = pyramid.averaged(1, reduction(coarse, moving.grid, magnification(warp)))

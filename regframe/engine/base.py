@@ -131,6 +131,11 @@ class Result:
     choices: tuple[Choice, ...] = field(repr=False, default=())
 
     @property
+    def seconds(self) -> float:
+        """How long it took, a search and the filters included."""
+        return float(self.provenance["seconds"])
+
+    @property
     def pixel_map(self) -> AffineMap:
         """From fixed to moving pixel, x first, pixel centres at whole numbers; of affine warps alone."""
         affine = self.warp.as_affine()

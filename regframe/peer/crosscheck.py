@@ -114,7 +114,7 @@ def _report(
         course,
         None if runs.simpleitk is None else whole.apart(runs.native.warp, runs.simpleitk.warp),
         scores,
-        {name: _seconds(one) for name, one in _named(runs).items()},
+        {name: one.seconds for name, one in _named(runs).items()},
         notes,
         versions(),
     )
@@ -122,10 +122,6 @@ def _report(
 
 def _named(runs: whole.Runs) -> dict[str, Result]:
     return {"native": runs.native} | ({} if runs.simpleitk is None else {"simpleitk": runs.simpleitk})
-
-
-def _seconds(result: Result) -> float:
-    return float(sum(level.seconds for level in result.levels))
 
 
 def _scores(runs: whole.Runs, bench: Bench) -> dict[str, dict[str, float]]:

@@ -78,8 +78,8 @@ class Level(Record):
         ge=16,
         strict=True,
         description=(
-            "In place of `shrink`: average both images over the least whole number of pixels that leaves at "
-            "most this many along every axis."
+            "In place of `shrink`: average both images over the whole number of pixels that leaves about this "
+            "many along the longest axis."
         ),
     )
     smooth: float = Field(

@@ -90,7 +90,7 @@ def result_record(result: Result, *, verdict: bool = True) -> dict[str, Any]:
         "verdict": result.verdict.record() if verdict else None,
         "value": result.value,
         "stop": result.stop,
-        "seconds": sum(level.seconds for level in result.levels),
+        "seconds": result.seconds,
         "iterations": sum(level.iterations for level in result.levels),
         "evaluations": sum(level.evaluations for level in result.levels),
         "levels": [_level(result, index) for index in range(len(result.levels))],

@@ -50,7 +50,7 @@ def result(fixed=None, moving=None, *, shift=None, levels=2):
         "the limit of 5 iterations",
         tuple(_level(fixed, warp, level) for level in range(levels)),
         load(preset, changes),
-        {"seed": 1, "finished": "2020-01-01T00:00:00+00:00"},
+        {"seed": 1, "finished": "2020-01-01T00:00:00+00:00", "seconds": 1.5},
         fixed,
         moving,
         tuple(_step(warp, level, i) for level in range(levels) for i in range(STEPS)),

@@ -54,4 +54,4 @@ def test_the_moving_image_is_averaged_to_the_same_spacing():
 
 
 def test_fits():
-    assert [fitting(shape, 320) for shape in ((320, 200), (321, 200), (5, 960))] == [1, 2, 3]
+    assert [fitting(shape, 320) for shape in ((320, 200), (479, 200), (480, 200), (5, 960), (9, 100))] == [1, 1, 2, 3, 1]
