@@ -49,12 +49,12 @@ def landscape(visual: NDArray[np.float32], thermal: NDArray[np.float32]) -> tupl
     stage = preset.stages[0]
     pair = filtered(preset, coerce(visual, "visual"), coerce(thermal, "thermal"))
     best: dict[tuple[float, float], float] = {}
-    for place in tried(stage, Pyramid(*pair), Setting(pair[0].grid)):
-        affine = place.seen.as_affine()
+    for shift in tried(stage, Pyramid(*pair), Setting(pair[0].grid)):
+        affine = shift.place().seen.as_affine()
         assert affine is not None
         angle = float(np.rad2deg(np.arctan2(affine.matrix[1, 0], affine.matrix[0, 0])))
         key = round(angle, 3), round(float(np.sqrt(np.linalg.det(affine.matrix))), 5)
-        best[key] = min(best.get(key, 0.0), place.value)
+        best[key] = min(best.get(key, 0.0), shift.value)
     angles, scales = (np.array(sorted(set(axis))) for axis in zip(*best, strict=True))
     values = np.array([[best.get((a, s), np.nan) for a in angles] for s in scales])
     return angles, scales * visual.shape[1] / thermal.shape[1], values

@@ -71,7 +71,7 @@ def search(stage: Stage, pyramid: Pyramid, setting: Setting) -> tuple[Place, ...
     return distinct((one.place() for one in ranked), options.keep[0], setting.domain, apart)
 
 
-def tried(stage: Stage, pyramid: Pyramid, setting: Setting) -> list["_Shift"]:
+def tried(stage: Stage, pyramid: Pyramid, setting: Setting) -> list["Shift"]:
     """The best few shifts of every rotation and scale, sorted; see `search`."""
     options, dim = stage.start, pyramid.images[0].dim
     assert isinstance(options, Search)
@@ -87,9 +87,9 @@ def tried(stage: Stage, pyramid: Pyramid, setting: Setting) -> list["_Shift"]:
     scales = [one for one in made if one is not None]
     # Turn by turn, so that parts of the list are equally large canvases' work.
     places = [(scale, angle) for angle in field.turns() for scale in scales]
-    found: list[list[_Shift]] = [[] for _ in places]
+    found: list[list[Shift]] = [[] for _ in places]
     share(partial(_score_places, places, found), len(places))
-    return sorted((one for few in found for one in few), key=_Shift.rank)
+    return sorted((one for few in found for one in few), key=Shift.rank)
 
 
 def _make_scales(
@@ -100,7 +100,7 @@ def _make_scales(
 
 
 def _score_places(
-    places: list[tuple["_Scale", float]], found: list[list["_Shift"]], first: int, last: int
+    places: list[tuple["_Scale", float]], found: list[list["Shift"]], first: int, last: int
 ) -> None:
     for i in range(first, last):
         scale, angle = places[i]
@@ -221,7 +221,7 @@ class _Scale:
         if isinstance(self.translations, Turning):
             self.turned = self.translations.upright(values, weight)
 
-    def score(self, angle: float) -> list["_Shift"]:
+    def score(self, angle: float) -> list["Shift"]:
         """The best few shifts at a rotation."""
         field, grid = self.field, self.canvases[angle]
         # Translation t lets fixed x meet canvas x + t; the two centres meet at `met`.
@@ -235,7 +235,7 @@ class _Scale:
         for y, x in best.tolist():
             value, meets = float(scored[y, x]), float(shared[y, x])
             shift = float(off[1][x]), float(off[0][y])
-            found.append(_Shift(self, angle, shift, value, meets / smaller, meets / field.mass))
+            found.append(Shift(self, angle, shift, value, meets / smaller, meets / field.mass))
         return found
 
     def place(self, angle: float, shift: tuple[float, float]) -> Warp:
@@ -301,7 +301,7 @@ class _Scale:
         return values, shared
 
 
-class _Shift(NamedTuple):
+class Shift(NamedTuple):
     """One of the best shifts at a scale and a rotation."""
 
     scale: _Scale

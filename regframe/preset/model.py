@@ -78,8 +78,8 @@ class Level(Record):
         ge=16,
         strict=True,
         description=(
-            "In place of `shrink`: average both images over the whole number of pixels that leaves about this "
-            "many along the longest axis."
+            "In place of `shrink`: average both images over the whole number of pixels that leaves about "
+            "this many along the longest axis."
         ),
     )
     smooth: float = Field(

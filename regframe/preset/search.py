@@ -36,7 +36,7 @@ class Search(Record):
     keep: tuple[Annotated[int, Field(ge=1, le=100)], ...] = Field(
         (8, 3), min_length=1, description="Distinct places that go through the first level, the second ..."
     )
-    size: int = Field(64, ge=16, le=512, description="Points along the longest axis of the grid searched on, about.")
+    size: int = Field(64, ge=16, le=512, description="Points, about, along the longest axis of its grid.")
     step: float = Field(
         4.0,
         gt=0.0,

@@ -54,4 +54,6 @@ def test_the_moving_image_is_averaged_to_the_same_spacing():
 
 
 def test_fits():
-    assert [fitting(shape, 320) for shape in ((320, 200), (479, 200), (480, 200), (5, 960), (9, 100))] == [1, 1, 2, 3, 1]
+    shapes = (320, 200), (479, 200), (480, 200), (5, 960), (9, 100)
+
+    assert [fitting(shape, 320) for shape in shapes] == [1, 1, 2, 3, 1]
