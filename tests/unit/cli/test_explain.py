@@ -70,6 +70,6 @@ def test_a_presets_levels_are_told_as_they_are_written(regframe):
     outcome = regframe("explain", "visual-thermal")
 
     assert (
-        "25 at fit 150 by nelder-mead (carried), 12 at fit 300 (carried), 20 at fit 512 (carried)"
+        "25 at fit 142 by nelder-mead (carried), 12 at fit 250 (carried), 20 at fit 420 (carried)"
         in outcome.out
     )
