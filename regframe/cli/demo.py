@@ -49,6 +49,7 @@ def demo(
         f"A street seen by two cameras: visual {nx}x{ny}, 8 bit; thermal {thermal_nx}x{thermal_ny}, 16 bit."
     )
     typer.echo(f"Which thermal pixel belongs to which visual pixel? Preset {resolved.name} searches.")
+    typer.echo("A first run also compiles what it needs, which takes some twenty seconds; later ones do not.")
     with Display(resolved, manner(quiet=False)) as display:
         result = register(resolved, pair.fixed, pair.moving, observers=(display,))
     files.save(result, folder, force=force, keep_failed=True)

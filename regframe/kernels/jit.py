@@ -236,8 +236,8 @@ def _each(builder: Any, sums: Callable[..., Any], count: int, given: Any) -> Ite
 def _between(builder: Any, array: Callable[..., Any], width: Any, y: Any, x: Any) -> tuple[Any, Any, Any]:
     """Four lanes between the points of a flat array, and their slopes along y and x.
 
-    y and x count in 2^-32 of a point, as integers: adding steps and taking what is whole cost half of what
-    they do in floating point. Both neighbours of a row are one vector of eight.
+    y and x count in 2^-32 of a point, as integers: beside floating point that spares a third of the time of
+    `_meet_channels`. Both neighbours of a row are one vector of eight.
     """
 
     def rest(place: Any) -> Any:

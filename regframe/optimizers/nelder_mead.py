@@ -133,9 +133,7 @@ def _changed(corners: list[_Corner], measured: Measure, how: _Steps) -> list[_Co
 
 def _size(corners: list[_Corner]) -> float:
     """The farthest that a corner is from the best one, along any axis."""
-    best = corners[0].at.tolist()
-    steps = (abs(x - b) for one in corners[1:] for x, b in zip(one.at.tolist(), best, strict=True))
-    return float(max(steps))
+    return float(np.abs(np.array([corner.at for corner in corners[1:]]) - corners[0].at).max())
 
 
 def _value(corner: _Corner) -> float:

@@ -13,13 +13,10 @@ from regframe.types import Matrix, Params, Points
 
 def about(matrix: Matrix, translation: Params, centre: Params) -> AffineMap:
     """The map ``M (x - centre) + centre + t``, its offset summed in ITK's order."""
-    # Plain numbers: with two or three of them numpy takes three times as long, at each step of a search.
-    place = centre.tolist()
-    offset = [t + c for t, c in zip(translation.tolist(), place, strict=True)]
-    for row, factors in enumerate(matrix.tolist()):
-        for factor, c in zip(factors, place, strict=True):
-            offset[row] -= factor * c
-    return AffineMap(matrix, np.array(offset))
+    offset = translation + centre
+    for column in range(len(centre)):
+        offset = offset - matrix[:, column] * centre[column]
+    return AffineMap(matrix, offset)
 
 
 def translation_about(affine: AffineMap, centre: Params) -> Params:
