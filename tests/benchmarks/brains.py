@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from benchmarks.made import ROOT, put
+from benchmarks.made import ROOT, put, table
 from conftest import DATA
 
 from regframe import register
@@ -86,12 +86,6 @@ def near(metric: object) -> Mapping[str, object]:
         "levels": [{"iterations": 40}],
     }
     return {"name": "near", "filters": {"fixed": palette, "moving": palette}, "stages": [stage]}
-
-
-def table(rows: Iterator[list[str]]) -> str:
-    """Rows in Markdown, the first one as heads."""
-    heads, *rest = rows
-    return "\n".join(f"| {' | '.join(row)} |" for row in (heads, ["---"] * len(heads), *rest))
 
 
 def main(arguments: list[str] | None = None) -> None:

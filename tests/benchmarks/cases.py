@@ -1,7 +1,7 @@
 """Visual and thermal frames with a known similarity between them: real ones where they are, else phantoms."""
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,12 +15,14 @@ from regframe.image import Image
 from regframe.io import read
 from regframe.testing.phantoms import misalignment, visual_thermal
 from regframe.transforms.warp import Warp
-from regframe.types import Volume
+from regframe.types import Points, Volume
 
 FOLDER = "visual_thermal/roadscene/"
 SHAPE = (400, 660)
 """Of phantoms: somewhat larger than the real frames."""
 TRIES = 10_000
+NET = 21
+"""Points along each axis where maps are compared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +161,19 @@ def each(reach: Reach, *, most: int | None = None, seed: int = 1) -> Iterator[Ca
     """One case a scene, the same ones for the same seed."""
     for number, scene in enumerate(scenes(most)):
         yield drawn(scene, reach, np.random.default_rng((seed, number)))
+
+
+def seen(fixed: Grid, moving: Grid, truth: Callable[[Points], Points]) -> Points:
+    """A net of fixed pixels, those whose places lie in the moving frame, (n, 2)."""
+    rows, columns = (np.linspace(0.0, n - 1.0, NET) for n in fixed.shape)
+    points = fixed.points(np.stack(np.meshgrid(rows, columns, indexing="ij"), axis=-1).reshape(-1, 2))
+    places = moving.point_to_index(truth(points))[:, ::-1]
+    return points[np.all((places >= 0.0) & (places <= np.array(moving.shape) - 1.0), axis=1)]
+
+
+def apart(one: Points, other: Points) -> float:
+    """Mean distance between points of two lists."""
+    return float(np.linalg.norm(one - other, axis=1).mean())
 
 
 def about(case: Case) -> Frame:

@@ -1,5 +1,6 @@
 """Measured parts of the documents, between two marks."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -17,3 +18,9 @@ def put(page: Path, name: str, text: str) -> None:
     new = page.with_suffix(".new")
     new.write_text(f"{before}{begin}{text}\n{end}{after}", encoding="utf-8")
     new.replace(page)
+
+
+def table(rows: Iterable[list[str]]) -> str:
+    """Rows in Markdown, the first one as heads."""
+    heads, *rest = rows
+    return "\n".join(f"| {' | '.join(row)} |" for row in (heads, ["---"] * len(heads), *rest))

@@ -108,6 +108,14 @@ def test_a_users_own_metric_is_checked_by_pairs(pair):
     assert any("CorrelationRatio" in line.why for line in report.lines)
 
 
+@pytest.mark.parametrize("metric", ["oriented-gradients", "mind-ssc", "normalised-gradient-fields"])
+def test_features_of_the_fixed_image_know_nothing_of_the_moving_ones_rim(metric, pair):
+    # Frames of which a part alone meets: what is smoothed there shows at the rim.
+    report = crosscheck({"stages": [{**STAGE, "metric": metric, "levels": [{"iterations": 8}]}]}, *pair)
+
+    assert set(verdicts(report, "pairs").values()) == {"agrees"}
+
+
 def test_a_report_of_a_users_own_metric_is_written_without_curves(pair, tmp_path):
     METRICS.register("my-ratio")(CorrelationRatio)
     try:
