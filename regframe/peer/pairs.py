@@ -73,7 +73,7 @@ def built(bench: Bench, params: Params) -> Pairs:
         None if sparse else scene.samples.shape,
         single=moving.rounds,
     )
-    # What the fixed image is like is known before any map, so it does not depend on what the moving one shows.
+    # The fixed image's features are made before any map, so what the moving one shows does not count.
     alone = replace(pairs, moving=np.zeros(0), weight=first.astype(np.float64))
     return replace(pairs, prepared=bench.stage.metric.prepare(alone))
 

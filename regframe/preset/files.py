@@ -140,8 +140,12 @@ def _find(source: str | Path, beside: Path) -> Path:
     if found is not None:
         return found
     file = beside / f"{source}.toml"
-    hint = f" To read the file, write {file.name!r}." if file.is_file() else " A file's name ends in .toml."
-    message = f"no preset is called {source!r}.{nearest(source, names())} Known: {', '.join(names())}.{hint}"
+    hint = f"To read the file, write {file.name!r}." if file.is_file() else "A file's name ends in .toml."
+    known = names()
+    message = (
+        f"no preset is called {source!r}.{nearest(source, known)} "
+        f"`regframe list presets` names all {len(known)}. {hint}"
+    )
     raise PresetError(message)
 
 

@@ -105,7 +105,8 @@ def convergence(result: Result) -> "Figure":
     _lines(lower, courses, "size", BLUE)
     _by_decades(lower, [step.size for step in result.trace])
     upper.tick_params(labelbottom=False)
-    upper.margins(y=0.15)
+    low, high = upper.get_ylim()
+    upper.set_ylim(low, high + 0.3 * (high - low))  # room for the names of the levels
     scales = result.preset.stages[-1].scales
     unit = UNITS.get(scales, OWN_UNIT) if isinstance(scales, str) else OWN_UNIT
     _labels(upper, "", "metric value,\nlower is better", room=0.6)
@@ -123,17 +124,21 @@ def _lines(axes: "Axes", courses: Sequence[Course], field: str, colour: str) -> 
 
 
 def _name_levels(axes: "Axes", result: Result, courses: Sequence[Course]) -> None:
-    """Write how coarse each level is above its part, where there is room."""
+    """Write how coarse each level is above its part, where there is room; in two rows, as words are wide."""
     several = len(result.preset.stages) > 1
-    for report, course in zip(result.levels, courses, strict=True):
-        if course.last - course.first < 0.1 * courses[-1].last:
-            continue
+    shown = [
+        (report, course)
+        for report, course in zip(result.levels, courses, strict=True)
+        if course.last - course.first >= 0.1 * courses[-1].last
+    ]
+    for number, (report, course) in enumerate(shown):
         level = result.preset.stages[report.stage].levels[report.level]
         words = f"stage {report.stage + 1}, " if several else ""
+        carried = ", carried features" if level.carried else ""
         axes.text(
             (course.first + course.last) / 2,
-            0.97,
-            f"{words}level {report.level + 1}: {level.resolution}",
+            0.97 - 0.1 * (number % 2),
+            f"{words}level {report.level + 1}: {level.resolution}{carried}",
             transform=axes.get_xaxis_transform(),
             horizontalalignment="center",
             verticalalignment="top",

@@ -71,7 +71,7 @@ def test_an_unknown_name_is_answered_with_the_nearest():
     message = fault("paper-similarty")
 
     assert message.startswith(
-        "no preset is called 'paper-similarty'. Did you mean 'paper-similarity'? Known: "
+        "no preset is called 'paper-similarty'. Did you mean 'paper-similarity'? `regframe list presets` "
     )
     assert message.endswith("A file's name ends in .toml.")
 
