@@ -71,7 +71,7 @@ def _reliability(axes: Axes, chances: Chances, near: Claims, name: str, colour: 
     axes.set(
         xlabel="probability that was said",
         ylabel="share that was within 5 px",
-        title="Reliability; in the legend, expected calibration error",
+        title="Reliability, and expected calibration error",
         ylim=(-0.05, 1.3),
     )
     axes.legend(loc="upper left", frameon=False, markerscale=0.5)

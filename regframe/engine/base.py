@@ -71,7 +71,9 @@ class Progress:
 class LevelReport:
     """How one level went: sizes, metric at its start and end, and why it stopped.
 
-    `params` are the searched map's at the end of the level, and `frame` is what they speak of.
+    `params` are the searched map's at the end of the level, and `frame` is what they speak of. Where several
+    places of a search were walked side by side, all is of the one that ended best but for `places`, how many
+    there were, and `other_evaluations`, those of the others.
     """
 
     stage: int
@@ -86,6 +88,8 @@ class LevelReport:
     seconds: float
     params: tuple[float, ...]
     frame: Frame
+    places: int = 1
+    other_evaluations: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +138,11 @@ class Result:
     def seconds(self) -> float:
         """How long it took, a search and the filters included."""
         return float(self.provenance["seconds"])
+
+    @property
+    def evaluations(self) -> int:
+        """How often the metric was measured by the levels, at all places that a search let go on."""
+        return sum(level.evaluations + level.other_evaluations for level in self.levels)
 
     @property
     def pixel_map(self) -> AffineMap:

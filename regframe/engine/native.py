@@ -1,6 +1,7 @@
 """Our own engine: stages, levels, and the loop around the optimizer."""
 
 from collections.abc import Generator, Mapping
+from dataclasses import replace
 from time import perf_counter
 from typing import Any, TypeVar, cast, final
 
@@ -121,7 +122,8 @@ class _Run:
             for _, _, trace in walked:
                 yield from trace
         walked.sort(key=lambda one: one[0].rank(level.stage.metric))
-        self.reports.append(walked[0][1])
+        others = sum(report.evaluations for _, report, _ in walked[1:])
+        self.reports.append(replace(walked[0][1], places=len(walked), other_evaluations=others))
         self.trace += walked[0][2]
         ranked = (*(one for one, _, _ in walked), *places[level.kept :])
         if isinstance(level.start, Search):

@@ -51,7 +51,6 @@ def facts(result: Result) -> list[tuple[str, str]]:
     """Name and text of what a user wants to know first."""
     metric = result.preset.stages[-1].metric
     first, last = result.levels[-1].start_value, result.levels[-1].value
-    evaluations = sum(level.evaluations for level in result.levels)
     fixed, moving = (PurePath(image.name).name for image in (result.fixed, result.moving))
     return [
         ("preset", result.preset.name),
@@ -60,7 +59,7 @@ def facts(result: Result) -> list[tuple[str, str]]:
         *_choices(result),
         ("metric", f"{METRICS.name_of(metric)} {first:.5g} to {last:.5g} on the last level, lower is better"),
         ("stopped by", result.stop),
-        ("effort", f"{evaluations} evaluations, {result.seconds:.2f} s"),
+        ("effort", f"{result.evaluations} evaluations, {result.seconds:.2f} s"),
     ]
 
 

@@ -9,6 +9,7 @@ within 3 px of the truth on average.
 import argparse
 import json
 import sys
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +28,8 @@ from regframe.types import Volume
 PAGE = ROOT / "docs" / "explanation" / "robustness.md"
 FIGURE = ROOT / "docs" / "images" / "robustness.png"
 GOOD_PX = 3.0
+NEAR_PX, WORDS = 5.0, ("good", "doubtful", "failed")
+"""What the verdict is about, and what it says."""
 LINEAR: Mapping[str, object] = {"extends": "paper-similarity-pyramid", "stages.0.interpolator": "linear"}
 METHODS: Mapping[str, tuple[str | Mapping[str, object], str]] = {
     "visual-thermal": ("visual-thermal", "native"),
@@ -137,12 +140,12 @@ FACTORS: Mapping[str, Factor] = {
     "14 bits, stuck pixels": Factor("pixels", (0, 10, 50, 200), worse(hot, bits=14)),
 }
 
-Results = dict[str, float]
-"""Error in pixels by ``method / factor / amount / scene``."""
+Results = dict[str, tuple[float, str]]
+"""Error in pixels, and what the verdict says of it, by ``method / factor / amount / scene``."""
 
 
 def run(methods: list[str], names: list[str], chosen: list[Scene], file: Path) -> Results:
-    """Errors of all runs asked for; those that the file has are not run again."""
+    """What became of all runs asked for; those that the file has are not run again."""
     results: Results = json.loads(file.read_text()) if file.is_file() else {}
     # Scene by scene, so that a run broken off has something to say of every amount.
     for number, scene in enumerate(chosen):
@@ -154,21 +157,25 @@ def run(methods: list[str], names: list[str], chosen: list[Scene], file: Path) -
                 for method in methods:
                     key = " / ".join((method, name, f"{amount:g}", scene.name))
                     if key not in results:
-                        results[key] = error(method, case)
+                        results[key] = off, word = outcome(method, case)
                         keep(results, file)
-                        sys.stderr.write(f"{key}: {results[key]:.2f} px\n")
+                        sys.stderr.write(f"{key}: {off:.2f} px {word}\n")
     return results
 
 
-def error(method: str, case: Case) -> float:
-    """Mean distance, in thermal pixels, over what both frames see; infinite if the run gave up."""
+def outcome(method: str, case: Case) -> tuple[float, str]:
+    """Mean distance, in thermal pixels, over what both frames see, infinite if the run gave up; the verdict.
+
+    Of SimpleITK's runs no verdict is asked.
+    """
     preset, engine = METHODS[method]
     try:
         result = register(preset, case.fixed, case.moving, engine=engine)
     except RegframeError:
-        return float("inf")
+        return float("inf"), "failed"
     points = seen(case.fixed.grid, case.moving.grid, case.truth)
-    return apart(result.warp(points), case.truth(points))
+    off = apart(result.warp(points), case.truth(points))
+    return off, str(result.verdict) if engine == "native" else ""
 
 
 def keep(results: Results, file: Path) -> None:
@@ -181,7 +188,7 @@ def keep(results: Results, file: Path) -> None:
 def share(results: Results, method: str, name: str, amount: float) -> float:
     """Of the runs that succeeded; NaN if there are none."""
     start = " / ".join((method, name, f"{amount:g}", ""))
-    errors = [found for key, found in results.items() if key.startswith(start)]
+    errors = [off for key, (off, _) in results.items() if key.startswith(start)]
     return float(np.mean(np.array(errors) < GOOD_PX)) if errors else float("nan")
 
 
@@ -195,6 +202,18 @@ def table(results: Results, methods: list[str], names: list[str]) -> str:
             title = f"{name}, {factor.unit}" if factor.unit else name
             rows.append(f"| {title} | {label(method)} | {' · '.join(cells)} |")
     return "\n".join(rows)
+
+
+def said(results: Results, method: str) -> str:
+    """How often the verdict said what, of runs that it should call good and of others."""
+    outcomes = [found for key, found in results.items() if key.startswith(f"{method} / ")]
+    near = Counter(word for off, word in outcomes if off < NEAR_PX)
+    far = Counter(word for off, word in outcomes if not off < NEAR_PX)
+    parts = [
+        f"of {one.total()} {which} {', '.join(f'{one[word]} {word}' for word in WORDS)}"
+        for one, which in ((near, f"runs within {NEAR_PX:g} px"), (far, "others"))
+    ]
+    return f"The verdict on {label(method)} says {'; '.join(parts)}."
 
 
 def label(method: str) -> str:
@@ -237,7 +256,8 @@ def main(arguments: list[str] | None = None) -> None:
     chosen_names = {scene.name for scene in chosen}
     results = {key: found for key, found in results.items() if key.rpartition(" / ")[2] in chosen_names}
     kind = "real scenes (RoadScene)" if real() else "phantoms"
-    text = f"{len(chosen)} {kind}:\n\n{table(results, asked.methods, asked.factors)}\n"
+    words = " ".join(said(results, method) for method in asked.methods if METHODS[method][1] == "native")
+    text = f"{len(chosen)} {kind}:\n\n{table(results, asked.methods, asked.factors)}\n\n{words}\n"
     sys.stdout.write(text)
     if asked.write:
         draw(results, asked.methods, FIGURE)

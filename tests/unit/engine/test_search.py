@@ -99,6 +99,12 @@ def test_tells_what_it_tried(street):
     assert best.values[-1] == result.value
     assert corner_error(best.found, result.warp, street.fixed.grid) == 0.0
     assert all(0.5 <= one.overlap <= 1.01 for one in result.candidates)
+    assert [level.places for level in result.levels] == [*FAST["keep"], 1]
+    # Of a level's evaluations each place has a part, the one that ended best among them.
+    first, last = result.levels[0], result.levels[-1]
+    assert first.other_evaluations > first.evaluations > 0
+    assert last.other_evaluations == 0
+    assert result.evaluations > sum(level.evaluations for level in result.levels)
 
 
 def test_candidates_lie_apart(street):
