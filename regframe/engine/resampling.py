@@ -33,7 +33,7 @@ def align(
     warp : Warp or Chain
         Takes points of `grid` to points of `image`, physical, x first.
     interpolator : Interpolator, optional
-        Linear when left out.
+        Cubic splines when left out; labels want ``nearest``.
     fill : float
         What pixels outside the image get.
 
@@ -53,7 +53,7 @@ def align(
            [7, 8, 0]], dtype=uint8)
     """
     raw = image.values if image.raw is None else image.raw
-    way = interpolator or INTERPOLATORS.build("linear")
+    way = interpolator or INTERPOLATORS.build("bspline")
     coloured = raw.ndim == grid.dim + 1 and is_colour(raw)
     channels = [raw[..., i] for i in range(raw.shape[-1])] if coloured else [raw]
     aligned = [_as_type(*resample(one, image.grid, grid, warp, way), raw.dtype, fill) for one in channels]

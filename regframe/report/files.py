@@ -154,7 +154,9 @@ def _write_map(result: Result, folder: Path) -> None:
 
     fixed, moving = result.fixed, result.moving
     # The run's own interpolator: what was compared is what is kept, and its kernels are compiled already.
-    aligned = align(moving, fixed.grid, result.warp, result.preset.stages[-1].interpolator)
+    way = result.preset.stages[-1].interpolator
+    # What is quick enough to search with need not be good to look at; labels though must stay labels.
+    aligned = align(moving, fixed.grid, result.warp, None if way.blends else way)
     if aligned.dtype == np.float16:
         # No image format holds half-precision numbers.
         aligned = aligned.astype(np.float32)

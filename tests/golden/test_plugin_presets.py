@@ -5,6 +5,7 @@ import pytest
 from scipy import ndimage
 
 import regframe
+from regframe.interpolators.linear import Linear
 from regframe.testing.phantoms import corner_error, misalignment, smooth_pair, visual_thermal
 from support.plugins import everywhere
 
@@ -100,7 +101,7 @@ def test_lanczos_keeps_detail_that_linear_interpolation_blurs():
     result = regframe.register("lanczos-sharp", fixed, moving)
     sharp, blurred = (
         regframe.align(moving, grid, result.warp, way)
-        for way in (result.preset.stages[-1].interpolator, None)
+        for way in (result.preset.stages[-1].interpolator, Linear())
     )
 
     def missed(values):

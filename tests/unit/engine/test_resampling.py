@@ -5,6 +5,7 @@ from regframe.engine.resampling import align
 from regframe.geometry import AffineMap, Frame, Grid
 from regframe.image import Image
 from regframe.interpolators.bspline import BSpline
+from regframe.interpolators.linear import Linear
 from regframe.interpolators.nearest import Nearest
 from regframe.transforms.translation import Translation
 from regframe.transforms.warp import Warp
@@ -46,7 +47,7 @@ def test_whole_shifts_move_pixels_exactly():
 def test_integers_are_rounded_to_the_nearest():
     one = image(np.array([[0, 1, 2, 3], [0, 1, 2, 3]], np.uint8), "moving")
 
-    aligned = align(one, one.grid, moved(one.grid, 0.6, 0))
+    aligned = align(one, one.grid, moved(one.grid, 0.6, 0), Linear())
 
     assert aligned[0, :3].tolist() == [1, 2, 3]
 
@@ -55,7 +56,7 @@ def test_integers_are_clipped_to_their_range():
     pixels = np.zeros((8, 8), np.uint8)
     pixels[:, 4:] = 255
     one = image(pixels, "moving")
-    aligned = align(one, one.grid, moved(one.grid, 0.4, 0), BSpline(order=3))
+    aligned = align(one, one.grid, moved(one.grid, 0.4, 0))
 
     # The spline overshoots on both sides of the edge; wrapped numbers would lie in between.
     assert aligned[0, 2] == 0
@@ -96,7 +97,7 @@ def test_spacings_of_both_grids_count():
     fine = image(np.repeat(np.arange(8, dtype=np.float32)[None], 4, axis=0), "moving", spacing=(0.5, 0.5))
     grid = Grid((2, 4), (1.0, 1.0), (0.0, 0.0), fine.grid.direction)
 
-    aligned = align(fine, grid, moved(grid, 0, 0))
+    aligned = align(fine, grid, moved(grid, 0, 0), Linear())
 
     assert aligned[0].tolist() == [0, 2, 4, 6]
 
@@ -112,6 +113,13 @@ def test_both_ways_through_a_warp_agree(shape):
     assert np.allclose(fast, slow, atol=1e-9)
 
 
+def test_cubic_splines_are_the_default():
+    one = image(ramp((6, 8), np.float64) ** 2, "moving")
+    there = moved(one.grid, 0.4, 0.3)
+
+    assert np.array_equal(align(one, one.grid, there), align(one, one.grid, there, BSpline(order=3)))
+
+
 def test_the_interpolator_can_be_chosen():
     one = image(ramp((6, 8)), "moving")
 
@@ -125,4 +133,4 @@ def test_volumes_three_pixels_wide_are_no_colour():
     volume = Image(pixels, Grid.of_shape(pixels.shape), raw=pixels)
     stay = Warp.of_affine(AffineMap.identity(3), Frame.about_centre(volume.grid))
 
-    assert np.array_equal(align(volume, volume.grid, stay), pixels)
+    assert np.array_equal(align(volume, volume.grid, stay, Linear()), pixels)

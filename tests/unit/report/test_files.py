@@ -1,12 +1,17 @@
 import csv
+import dataclasses
 import json
 
 import numpy as np
 import pytest
 
+from regframe.engine.resampling import align
 from regframe.errors import OutputError
 from regframe.geometry import Grid
+from regframe.interpolators.bspline import BSpline
+from regframe.interpolators.nearest import Nearest
 from regframe.io import read
+from regframe.preset import load
 from regframe.report import files
 from regframe.transforms.files import read as read_transform
 from support.results import image, ramp, result
@@ -80,6 +85,23 @@ def test_the_aligned_image_keeps_its_colour(tmp_path):
     folder = files.save(result(moving=image(colour, "colour.jpg"), shift=(2, 0)), tmp_path, figures=False)
 
     assert np.array_equal(read(folder / "aligned.png").raw[:, :14], colour[:, 2:])
+
+
+@pytest.mark.parametrize(
+    ("interpolator", "way"),
+    [("linear", BSpline(order=3)), ("bspline", BSpline(order=3)), ("nearest", Nearest())],
+)
+def test_the_aligned_image_is_what_splines_make_of_it_and_labels_stay_labels(interpolator, way, tmp_path):
+    moving = image(ramp((12, 16)), "moving.mha")
+    made = result(moving=moving, shift=(0.4, 0.3))
+    preset = load(
+        "paper-affine", {"stages.0.transform": "translation", "stages.0.interpolator": interpolator}
+    )
+
+    folder = files.save(dataclasses.replace(made, preset=preset), tmp_path, figures=False)
+
+    expected = align(moving, made.fixed.grid, made.warp, way)
+    assert np.array_equal(read(folder / "aligned.mha").raw, expected)
 
 
 def test_the_aligned_image_lies_on_the_fixed_grid(tmp_path):
