@@ -28,7 +28,7 @@ from regframe.types import Volume
 PAGE = ROOT / "docs" / "explanation" / "robustness.md"
 FIGURE = ROOT / "docs" / "images" / "robustness.png"
 GOOD_PX = 3.0
-NEAR_PX, WORDS = 5.0, ("good", "doubtful", "failed")
+NEAR_PX, WORDS = 5.0, ("good", "doubtful", "failed", "unjudged")
 """What the verdict is about, and what it says."""
 LINEAR: Mapping[str, object] = {"extends": "paper-similarity-pyramid", "stages.0.interpolator": "linear"}
 METHODS: Mapping[str, tuple[str | Mapping[str, object], str]] = {
@@ -210,7 +210,7 @@ def said(results: Results, method: str) -> str:
     near = Counter(word for off, word in outcomes if off < NEAR_PX)
     far = Counter(word for off, word in outcomes if not off < NEAR_PX)
     parts = [
-        f"of {one.total()} {which} {', '.join(f'{one[word]} {word}' for word in WORDS)}"
+        f"of {one.total()} {which} {', '.join(f'{one[word]} {word}' for word in WORDS if one[word])}"
         for one, which in ((near, f"runs within {NEAR_PX:g} px"), (far, "others"))
     ]
     return f"The verdict on {label(method)} says {'; '.join(parts)}."
