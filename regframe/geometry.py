@@ -182,14 +182,13 @@ class Grid:
 
     def indices(self, points: Points) -> Indices:
         """Continuous indices, array order, of (n, dim) points."""
-        matrix = self.point_to_index.matrix
-        offset = points - np.array(self.origin)
-        found = np.empty(offset.shape)
+        matrix, found = self.point_to_index.matrix, np.empty(points.shape)
         # Axis by axis: numpy is several times as slow where its innermost loop is over two or three numbers.
+        offsets = [points[:, column] - self.origin[column] for column in range(self.dim)]
         for row in range(self.dim):
-            total = matrix[row, 0] * offset[:, 0]
+            total = matrix[row, 0] * offsets[0]
             for column in range(1, self.dim):
-                total += matrix[row, column] * offset[:, column]
+                total += matrix[row, column] * offsets[column]
             found[:, self.dim - 1 - row] = total
         return found
 

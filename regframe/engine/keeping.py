@@ -111,10 +111,12 @@ def _training(fixed: Image, side: float, parity: int) -> Mask:
 
 def _held_out(tiles: Bins, parity: int) -> Iterator[Mask]:
     """Which samples lie in each tile of one colour."""
-    numbers, where = np.unique(tiles, axis=0, return_inverse=True)
-    for number, tile in enumerate(numbers):
-        if int(tile.sum()) % 2 == parity:
-            yield where.ravel() == number
+    low = tiles.min(axis=0)
+    sizes = tuple(tiles.max(axis=0) - low + 1)
+    numbers = np.ravel_multi_index((tiles - low).T, sizes)
+    for number in np.unique(numbers):
+        if int(np.sum(low + np.unravel_index(number, sizes))) % 2 == parity:
+            yield numbers == number
 
 
 def _value(metric: Metric, pairs: Pairs, tile: Mask, scene: Scene) -> float:

@@ -98,10 +98,10 @@ class MovingSlopes:
         points = scene.points
         if mapped is None:
             mapped = scene.moving.grid.indices(transform.map(params, points, frame))
-        felt = forces != 0.0
-        kept = np.ascontiguousarray(mapped[felt])
-        slopes = forces[felt, None] * self.slopes.at(kept, scene.coefficients)
-        return transform.parameter_gradient(params, points[felt], slopes, frame)
+        felt = np.flatnonzero(forces)
+        kept = mapped.take(felt, axis=0)
+        slopes = forces.take(felt)[:, None] * self.slopes.at(kept, scene.coefficients)
+        return transform.parameter_gradient(params, points.take(felt, axis=0), slopes, frame)
 
     def _moments(self, affine: AffineMap, forces: Values) -> Matrix:
         """sum of force (x) [point, 1] in physical space, (dim, dim + 1), from one fused pass."""

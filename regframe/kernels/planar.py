@@ -108,20 +108,22 @@ def pull(first: int, last: int, numbers: Values, points: Points, forces: Points,
             depth = 1.0 + x * numbers[12] + y * numbers[13]
             if not depth > LEAST:
                 continue
+            nearer = 1.0 / depth
             mx, my = numbers[6] * x + numbers[7] * y, numbers[8] * x + numbers[9] * y
-            u = mx / depth + numbers[14] + numbers[10] - numbers[16]
-            v = my / depth + numbers[15] + numbers[11] - numbers[17]
+            u = mx * nearer + numbers[14] + numbers[10] - numbers[16]
+            v = my * nearer + numbers[15] + numbers[11] - numbers[17]
             fx, fy, bend, seen = unbent(u, v, forces[i, 0], forces[i, 1], numbers)
             if seen < 0.0:
                 continue
-            along = (mx * fx + my * fy) / (depth * depth)
-            hx = (numbers[6] * fx + numbers[8] * fy) / depth - along * numbers[12]
-            hy = (numbers[7] * fx + numbers[9] * fy) / depth - along * numbers[13]
+            along = (mx * fx + my * fy) * nearer * nearer
+            hx = (numbers[6] * fx + numbers[8] * fy) * nearer - along * numbers[12]
+            hy = (numbers[7] * fx + numbers[9] * fy) * nearer - along * numbers[13]
             freed = square * (sx * hx + sy * hy) / (division * division)
-            total[0] += fx * x / depth
-            total[1] += fx * y / depth
-            total[2] += fy * x / depth
-            total[3] += fy * y / depth
+            right, down = fx * nearer, fy * nearer
+            total[0] += right * x
+            total[1] += right * y
+            total[2] += down * x
+            total[3] += down * y
             total[4] += fx
             total[5] += fy
             total[6] -= along * x

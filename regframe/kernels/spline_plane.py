@@ -71,20 +71,22 @@ def _mirrored(i: int, n: int) -> int:
 
 
 @kernel
-def _inside(row: int, column: int, size: Bins, matrix: Matrix) -> bool:
-    x, y = np.float64(column), np.float64(row)
+def moved(y: float, x: float, matrix: Matrix) -> tuple[float, float]:
+    """Where a place lies under an index map, y before x."""
     cx = (matrix[1, 1] * x + matrix[1, 0] * y) + matrix[1, 2]
-    cy = (matrix[0, 1] * x + matrix[0, 0] * y) + matrix[0, 2]
-    return cx >= -0.5 and cx < size[1] - 0.5 and cy >= -0.5 and cy < size[0] - 0.5
+    return (matrix[0, 1] * x + matrix[0, 0] * y) + matrix[0, 2], cx
 
 
 @kernel
-def _at_border(row: int, column: int, coefficients: Volume, matrix: Matrix, x: Four, y: Four) -> float:
+def inside(cy: float, cx: float, height: int, width: int) -> bool:
+    """Whether a place lies in the image's pixels."""
+    return cx >= -0.5 and cx < width - 0.5 and cy >= -0.5 and cy < height - 0.5
+
+
+@kernel
+def at_border(cy: float, cx: float, coefficients: Volume, x: Four, y: Four) -> float:
     """The sum over 16 taps, mirrored at the ends of the image."""
     height, width = coefficients.shape
-    at, down = np.float64(column), np.float64(row)
-    cx = (matrix[1, 1] * at + matrix[1, 0] * down) + matrix[1, 2]
-    cy = (matrix[0, 1] * at + matrix[0, 0] * down) + matrix[0, 2]
     left = int(np.floor(np.float64(np.float32(cx)))) - 1
     top = int(np.floor(np.float64(np.float32(cy)))) - 1
     total = 0.0
@@ -95,7 +97,8 @@ def _at_border(row: int, column: int, coefficients: Volume, matrix: Matrix, x: F
 
 
 @kernel
-def _taps(flat: Values, o: int, x: Four, y: float, total: float) -> float:
+def taps(flat: Values, o: int, x: Four, y: float, total: float) -> float:
+    """A sum, and one row of taps more."""
     total += x[0] * y * flat[o]
     total += x[1] * y * flat[o + U(1)]
     total += x[2] * y * flat[o + U(2)]
@@ -128,21 +131,23 @@ def resample(
                     o = U(np.int64(base[k]))
                     if k & U(LINE) == U(0):
                         prefetch(flat, o + U(4) * stride)  # what the next row of the grid will read
-                    total = _taps(flat, o, x, wy[0, k], total)
-                    total = _taps(flat, o + stride, x, wy[1, k], total)
-                    total = _taps(flat, o + stride + stride, x, wy[2, k], total)
-                    total = _taps(flat, o + stride + stride + stride, x, wy[3, k], total)
-                elif base[k] == BORDER and _inside(row, left + np.int64(k), size, matrix):
-                    y = (wy[0, k], wy[1, k], wy[2, k], wy[3, k])
-                    total = _at_border(row, left + np.int64(k), coefficients, matrix, x, y)
+                    total = taps(flat, o, x, wy[0, k], total)
+                    total = taps(flat, o + stride, x, wy[1, k], total)
+                    total = taps(flat, o + stride + stride, x, wy[2, k], total)
+                    total = taps(flat, o + stride + stride + stride, x, wy[3, k], total)
                 else:
-                    weight = 0.0
+                    cy, cx = moved(np.float64(row), np.float64(left + np.int64(k)), matrix)
+                    weight = 1.0 if base[k] == BORDER and inside(cy, cx, size[0], size[1]) else 0.0
+                    if weight:
+                        y = (wy[0, k], wy[1, k], wy[2, k], wy[3, k])
+                        total = at_border(cy, cx, coefficients, x, y)
                 values[out + k] = total
                 weights[out + k] = weight
 
 
 @kernel
-def _along(x: Four, taps: Four) -> float:
+def along(x: Four, taps: Four) -> float:
+    """The sum of four products."""
     return (x[0] * taps[0] + x[1] * taps[1]) + (x[2] * taps[2] + x[3] * taps[3])
 
 
@@ -163,14 +168,12 @@ def _pull_chunk(
             o = U(np.int64(base[k]))
             if k & U(LINE) == U(0):
                 prefetch(flat, o + U(4) * stride)
-            slopes = _along(x, columns(flat, o, stride, dy)), _along(dx, columns(flat, o, stride, y))
-        elif base[k] == BORDER and _inside(row, left + np.int64(k), size, matrix):
-            slopes = (
-                _at_border(row, left + np.int64(k), coefficients, matrix, x, dy),
-                _at_border(row, left + np.int64(k), coefficients, matrix, dx, y),
-            )
+            slopes = along(x, columns(flat, o, stride, dy)), along(dx, columns(flat, o, stride, y))
         else:
-            continue
+            cy, cx = moved(np.float64(row), np.float64(left) + np.float64(k), matrix)
+            if base[k] != BORDER or not inside(cy, cx, size[0], size[1]):
+                continue
+            slopes = at_border(cy, cx, coefficients, x, dy), at_border(cy, cx, coefficients, dx, y)
         column = np.float64(left) + np.float64(k)
         down, right = forces[k] * slopes[0], forces[k] * slopes[1]
         gy, gx, gyx, gxx = gy + down, gx + right, gyx + down * column, gxx + right * column

@@ -7,7 +7,9 @@ import numpy as np
 
 from regframe.errors import GeometryError
 from regframe.geometry import Grid
+from regframe.kernels import homography as kernels
 from regframe.kernels.planar import FAR
+from regframe.kernels.sharing import BLOCKS, share
 from regframe.types import Matrix, Params, Points
 
 LEAST = 1e-6
@@ -61,6 +63,26 @@ class Homography:
         about = about / about[2, 2]
         translation, slant = about[:2, 2], about[2, :2]
         return cls(about[:2, :2] - np.outer(translation, slant), translation, slant, centre)
+
+    def place(self, points: Points) -> Points:
+        """Where (n, 2) points go; `kernels.planar.FAR` where there is no image."""
+        given = np.ascontiguousarray(points, np.float64)
+        out = np.empty_like(given)
+        share(kernels.place, len(given), self._numbers(), given, out)
+        return out
+
+    def pull(self, points: Points, forces: Points) -> Params:
+        """Sum of ``forces . d place / d params``, (8,): matrix, translation, slant."""
+        partial = np.zeros((BLOCKS, 8))
+        given = (np.ascontiguousarray(one, np.float64) for one in (points, forces))
+        share(kernels.pull, BLOCKS, self._numbers(), *given, partial)
+        total: Params = partial[0]
+        for block in partial[1:]:
+            total = total + block
+        return total
+
+    def _numbers(self) -> Params:
+        return np.concatenate([self.matrix.ravel(), self.translation, self.slant, self.centre])
 
     def homogeneous(self) -> Matrix:
         """The (3, 3) matrix, scaled to depth 1 at the centre."""

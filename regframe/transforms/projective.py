@@ -7,9 +7,7 @@ import numpy as np
 from regframe.geometry import AffineMap, Frame
 from regframe.transforms.base import Inverse, Transform
 from regframe.transforms.homography import Homography, inverted, largest_motions, net
-from regframe.transforms.lens import Lens
 from regframe.transforms.linear import translation_about
-from regframe.transforms.planar import Parts, place, pull
 from regframe.types import Matrix, Params, Points
 
 
@@ -40,11 +38,11 @@ class Projective(Transform):
 
     def map(self, params: Params, points: Points, frame: Frame) -> Points:
         """Moving points of (n, 2) fixed points, physical, x first; beyond the horizon far from any image."""
-        return place(pinholes(params, frame), points)
+        return homography(params, frame).place(points)
 
     def parameter_gradient(self, params: Params, points: Points, forces: Points, frame: Frame) -> Params:
         """Sum over points of ``forces . d map / d params``, (8,)."""
-        return to_params_slope(pull(pinholes(params, frame), points, forces)[:8], frame)
+        return to_params_slope(homography(params, frame).pull(points, forces), frame)
 
     def shift(self, params: Params, frame: Frame) -> Params:
         """Largest motion per unit of each parameter, (p,); over a net, as corners need not move most."""
@@ -72,12 +70,6 @@ class Projective(Transform):
         """The inverse matrix, about the middle of the moving image where that is known."""
         back = frame.swapped()
         return self, self.from_homogeneous(inverted(self.as_homogeneous(params, frame)), back), back
-
-
-def pinholes(params: Params, frame: Frame) -> Parts:
-    """The homography between two lenses that bend nothing."""
-    plain = Lens.of_image(frame.grid, np.zeros(0))
-    return plain, homography(params, frame), plain
 
 
 def homography(params: Params, frame: Frame) -> Homography:

@@ -8,6 +8,8 @@ from regframe.geometry import AffineMap
 from regframe.interpolators.base import Interpolator, Samples
 from regframe.interpolators.bspline import BSpline
 from regframe.interpolators.linear import Linear
+from regframe.interpolators.volumes import kernel_matrix, resampled
+from regframe.kernels import spline
 
 SHAPES = [(9, 12), (6, 5, 7)]
 
@@ -52,6 +54,33 @@ def test_kernels_for_whole_planes_give_the_bits_of_the_general_ones(interpolator
     expected, inside = interpolator.resample(coefficients, whole, turn)
     np.testing.assert_array_equal(values, expected)
     np.testing.assert_array_equal(weights, inside)
+
+
+@pytest.mark.parametrize("shape", [(40, 90), (5, 3), (1, 30), (2, 2)])
+def test_cubic_splines_in_the_plane_give_the_numbers_of_the_general_kernel(shape):
+    rng = np.random.default_rng(1)
+    coefficients, turn = (
+        BSpline().prepare(rng.normal(size=shape)),
+        AffineMap(np.eye(2) * 0.9, np.array([0.3, 0.1])),
+    )
+    samples = Samples(shape, rng.uniform(-1.5, np.array(shape) + 0.5, (500, 2)))
+    forces = rng.normal(size=500)
+
+    values, weights = BSpline().resample(coefficients, samples, turn)
+    slopes = BSpline().gradient(coefficients, samples.all_indices())
+    pulled = BSpline().pull_back(coefficients, samples, turn, forces * weights)
+
+    general = coefficients[None]
+    spatial = np.column_stack([np.zeros(500), samples.all_indices()])
+    expected, inside = resampled(spline.resample, coefficients, 3, samples, turn)
+    steep, partial = np.empty((500, 3)), np.zeros((1, 3, 4))
+    spline.gradient(0, 500, general, 3, spatial, steep)
+    matrix = kernel_matrix(turn, 2)
+    spline.pull_back(0, 1, general, 3, np.ones(3, np.int64), spatial, matrix, forces * weights, partial)
+    np.testing.assert_array_equal(values, expected)
+    np.testing.assert_array_equal(weights, inside)
+    np.testing.assert_allclose(slopes, steep[:, 1:], rtol=0, atol=1e-13 * np.abs(coefficients).max())
+    np.testing.assert_allclose(pulled, partial[0, 1:, 1:], rtol=1e-10, atol=1e-11)
 
 
 def test_pull_back_through_a_whole_volume_equals_its_default():
