@@ -23,6 +23,8 @@ LINEAR = {"extends": "paper-similarity-pyramid", "stages.0.interpolator": "linea
 METHODS: Mapping[str, tuple[str | Mapping[str, str], str]] = {
     "`visual-thermal`": ("visual-thermal", "native"),
     "`visual-thermal-fast`": ("visual-thermal-fast", "native"),
+    "`visual-thermal-projective`": ("visual-thermal-projective", "native"),
+    "`visual-thermal-radial`": ("visual-thermal-radial", "native"),
     "`paper-similarity`": ("paper-similarity", "native"),
     "`paper-similarity-pyramid`, linear": (LINEAR, "native"),
     "the same by SimpleITK": (LINEAR, "simpleitk"),
