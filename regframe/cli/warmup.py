@@ -24,10 +24,12 @@ Presets = Annotated[
 
 def warmup(presets: Presets = None, plugin: Plugins = None) -> None:
     """Compile kernels ahead, so that the first registration runs at full speed."""
+    from regframe.engine.resampling import align
     from regframe.engine.run import register
     from regframe.errors import RegframeError
     from regframe.preset import load, shipped
     from regframe.testing.phantoms import smooth_pair
+    from regframe.verdict.verdict import judge
 
     plugin_files.use(plugin)
     named = {name: load(name) for name in presets or shipped()}
@@ -39,11 +41,14 @@ def warmup(presets: Presets = None, plugin: Plugins = None) -> None:
                 continue
             start = perf_counter()
             try:
-                register(_short(preset), pair.fixed, pair.moving)
+                result = register(_short(preset), pair.fixed, pair.moving)
             except RegframeError as error:
                 # A preset may be unable to take so small a pair; its kernels are compiled all the same.
                 typer.echo(f"{name} {axes}: skipped, {error}", err=True)
                 continue
+            # Judging and writing have kernels of their own.
+            judge(result)
+            align(pair.moving, pair.fixed.grid, result.warp)
             typer.echo(f"{name} {axes}: {perf_counter() - start:.2f} s")
     which = "Their" if presets else "All"
     typer.echo(f"{which} kernels are compiled and stored; {perf_counter() - began:.1f} s in all.")

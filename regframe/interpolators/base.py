@@ -50,8 +50,6 @@ class Interpolator(Component):
     """Whether a constant image is constant between its pixels too."""
     additive: ClassVar[bool] = True
     """Whether a sum of images gives the sum of their values."""
-    blends: ClassVar[bool] = True
-    """Whether values may be new ones; where not, each is some pixel's own, as labels need."""
 
     @abstractmethod
     def sample(self, coefficients: Volume, indices: Indices) -> Values:

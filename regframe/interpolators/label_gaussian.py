@@ -22,7 +22,6 @@ class LabelGaussian(Interpolator):
 
     exact: ClassVar[bool] = False
     additive: ClassVar[bool] = False
-    blends: ClassVar[bool] = False
 
     sigma: float = Field(1.0, gt=0, le=4, description="Standard deviation of the Gaussian, in pixels.")
     cutoff: float = Field(

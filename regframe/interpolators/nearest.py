@@ -1,6 +1,6 @@
 """Nearest neighbour."""
 
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -14,8 +14,6 @@ from regframe.types import Indices, Points, Values, Volume
 @final
 class Nearest(Interpolator):
     """The value of the nearest pixel; a tie takes the higher index, as in ITK."""
-
-    blends: ClassVar[bool] = False
 
     def sample(self, coefficients: Volume, indices: Indices) -> Values:
         """Values at (n, dim) indices, array order."""

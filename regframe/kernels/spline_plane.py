@@ -39,15 +39,28 @@ def _locate(row: int, left: int, size: Bins, matrix: Matrix, t: Matrix, base: Va
 
 
 @kernel
+def cubic(u: float) -> Four:
+    """Weights of the four taps around a place, `u` behind the second one, in ITK's order of operations."""
+    w3 = SIXTH * u * u * u
+    w0 = SIXTH + 0.5 * u * (u - 1.0) - w3
+    w2 = u + w0 - 2.0 * w3
+    return w0, 1.0 - w0 - w2 - w3, w2, w3
+
+
+@kernel
+def cubic_slope(u: float) -> Four:
+    """Derivatives of `cubic`."""
+    before, after = 0.5 * (1.0 - u) * (1.0 - u), 0.5 * u * u
+    middle = 0.75 - (u - 0.5) * (u - 0.5)
+    return -before, before - middle, middle - after, after
+
+
+@kernel
 def _weigh(t: Values, w: Matrix) -> None:
-    """Cubic weights of a chunk, (4, CHUNK), in ITK's order of operations."""
+    """Weights of a chunk, (4, CHUNK)."""
     first, second, third, fourth = w[0], w[1], w[2], w[3]
     for k in range(CHUNK):
-        u = t[k]
-        w3 = SIXTH * u * u * u
-        w0 = SIXTH + 0.5 * u * (u - 1.0) - w3
-        w2 = u + w0 - 2.0 * w3
-        first[k], second[k], third[k], fourth[k] = w0, 1.0 - w0 - w2 - w3, w2, w3
+        first[k], second[k], third[k], fourth[k] = cubic(t[k])
 
 
 @kernel
@@ -55,10 +68,7 @@ def _tilt(t: Values, w: Matrix) -> None:
     """Derivatives of `_weigh`."""
     first, second, third, fourth = w[0], w[1], w[2], w[3]
     for k in range(CHUNK):
-        u = t[k]
-        before, after = 0.5 * (1.0 - u) * (1.0 - u), 0.5 * u * u
-        middle = 0.75 - (u - 0.5) * (u - 0.5)
-        first[k], second[k], third[k], fourth[k] = -before, before - middle, middle - after, after
+        first[k], second[k], third[k], fourth[k] = cubic_slope(t[k])
 
 
 @kernel

@@ -6,31 +6,14 @@
 
 import numpy as np
 
-from regframe.kernels.jit import Four, columns, kernel
-from regframe.kernels.spline_plane import SIXTH, U, along, at_border, inside, moved, taps
+from regframe.kernels.jit import columns, kernel
+from regframe.kernels.spline_plane import U, along, at_border, cubic, cubic_slope, inside, moved, taps
 from regframe.types import Indices, Matrix, Values, Volume
 
 
 @kernel
 def _floor(c: float) -> float:
     return np.floor(np.float64(np.float32(c)))  # ITK rounds a coordinate to float32 before it takes the floor
-
-
-@kernel
-def _weights(u: float) -> Four:
-    """Cubic weights, in ITK's order of operations."""
-    w3 = SIXTH * u * u * u
-    w0 = SIXTH + 0.5 * u * (u - 1.0) - w3
-    w2 = u + w0 - 2.0 * w3
-    return w0, 1.0 - w0 - w2 - w3, w2, w3
-
-
-@kernel
-def _slopes(u: float) -> Four:
-    """Derivatives of `_weights`."""
-    before, after = 0.5 * (1.0 - u) * (1.0 - u), 0.5 * u * u
-    middle = 0.75 - (u - 0.5) * (u - 0.5)
-    return -before, before - middle, middle - after, after
 
 
 @kernel
@@ -58,7 +41,7 @@ def resample(
         if not inside(cy, cx, height, width):
             continue
         top, left = _floor(cy), _floor(cx)
-        x, y, total = _weights(cx - left), _weights(cy - top), 0.0
+        x, y, total = cubic(cx - left), cubic(cy - top), 0.0
         if _inner(cy, cx, height, width):
             o = U(np.int64((top - 1.0) * width + (left - 1.0)))
             total = taps(flat, o, x, y[0], total)
@@ -77,7 +60,7 @@ def gradient(first: int, last: int, coefficients: Volume, indices: Indices, slop
     for i in range(first, last):
         cy, cx = indices[i, 0], indices[i, 1]
         top, left = _floor(cy), _floor(cx)
-        x, y, dx, dy = _weights(cx - left), _weights(cy - top), _slopes(cx - left), _slopes(cy - top)
+        x, y, dx, dy = cubic(cx - left), cubic(cy - top), cubic_slope(cx - left), cubic_slope(cy - top)
         if _inner(cy, cx, height, width):
             o = U(np.int64((top - 1.0) * width + (left - 1.0)))
             slopes[i, 0] = along(x, columns(flat, o, stride, dy))

@@ -16,6 +16,7 @@ from regframe.engine.resampling import align
 from regframe.errors import OutputError
 from regframe.geometry import Grid
 from regframe.image import Image
+from regframe.interpolators.linear import Linear
 from regframe.report import records
 from regframe.report.overlays import overlays
 from regframe.report.png import encode
@@ -153,10 +154,9 @@ def _write_map(result: Result, folder: Path) -> None:
     from regframe.transforms import files
 
     fixed, moving = result.fixed, result.moving
-    # The run's own interpolator: what was compared is what is kept, and its kernels are compiled already.
     way = result.preset.stages[-1].interpolator
-    # What is quick enough to search with need not be good to look at; labels though must stay labels.
-    aligned = align(moving, fixed.grid, result.warp, None if way.blends else way)
+    # Linear interpolation is quick to search with, and blurs. Any other was chosen for what it does.
+    aligned = align(moving, fixed.grid, result.warp, None if isinstance(way, Linear) else way)
     if aligned.dtype == np.float16:
         # No image format holds half-precision numbers.
         aligned = aligned.astype(np.float32)

@@ -7,7 +7,6 @@ from conformance.standins import Difference, Shrinking
 from scipy import ndimage
 
 from regframe.filters.base import Filter
-from regframe.interpolators.base import Interpolator
 
 CALLS = 0
 LOG = []
@@ -52,18 +51,6 @@ class Rushed:
             for step in np.eye(6).reshape(6, 2, 3)
         ]
         return self.value(index_map), np.array(slope).reshape(2, 3)
-
-
-class Mixer(Interpolator):
-    """Says that it makes no new values, and makes means (nobody, 1999)."""
-
-    blends = False
-
-    def sample(self, coefficients, indices):
-        low, high = (
-            ndimage.map_coordinates(coefficients, way(indices).T, order=0) for way in (np.floor, np.ceil)
-        )
-        return (low + high) / 2
 
 
 class Gambler(Difference):

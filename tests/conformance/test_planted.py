@@ -21,7 +21,6 @@ FAULTS = [
     (planted.Inventor, "holds its invariances", "`invariant_to` may name shift, scale, inversion, monotone"),
     (planted.Careless, "batch order does not matter", "takes float64 rows, (b, 4). Got float32"),
     (planted.Blender, "batch order does not matter", "The walk changes when the rows of a batch"),
-    (planted.Mixer, "makes no new values", "`blends = False`, yet some values are no pixel's own"),
     (planted.Stretcher, "gives finite values", "Guard the division by its range"),
 ]
 

@@ -91,7 +91,9 @@ def test_the_aligned_image_keeps_its_colour(tmp_path):
     ("interpolator", "way"),
     [("linear", BSpline(order=3)), ("bspline", BSpline(order=3)), ("nearest", Nearest())],
 )
-def test_the_aligned_image_is_what_splines_make_of_it_and_labels_stay_labels(interpolator, way, tmp_path):
+def test_the_aligned_image_is_splined_in_place_of_linear_and_else_as_the_preset_says(
+    interpolator, way, tmp_path
+):
     moving = image(ramp((12, 16)), "moving.mha")
     made = result(moving=moving, shift=(0.4, 0.3))
     preset = load(
