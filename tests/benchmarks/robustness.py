@@ -146,7 +146,8 @@ Results = dict[str, tuple[float, str]]
 
 def run(methods: list[str], names: list[str], chosen: list[Scene], file: Path) -> Results:
     """What became of all runs asked for; those that the file has are not run again."""
-    results: Results = json.loads(file.read_text()) if file.is_file() else {}
+    known = json.loads(file.read_text()) if file.is_file() else {}
+    results: Results = {key: (off, word) for key, (off, word) in known.items()}
     # Scene by scene, so that a run broken off has something to say of every amount.
     for number, scene in enumerate(chosen):
         for name in names:

@@ -51,15 +51,25 @@ def test_the_largest_amount_makes_a_case(name):
 
 
 def test_runs_are_kept_and_not_repeated(tmp_path, monkeypatch):
-    monkeypatch.setattr(robustness, "error", lambda *_: 0.5)
+    monkeypatch.setattr(robustness, "outcome", lambda *_: (0.5, "good"))
     file = tmp_path / "results.json"
 
     first = robustness.run(["visual-thermal"], ["contrast"], cases.scenes(1), file)
-    monkeypatch.setattr(robustness, "error", lambda *_: float("inf"))
+    monkeypatch.setattr(robustness, "outcome", lambda *_: (float("inf"), "failed"))
     again = robustness.run(["visual-thermal"], ["contrast"], cases.scenes(1), file)
 
-    assert again == first == json.loads(file.read_text())
+    assert again == first
+    assert json.loads(file.read_text()) == {key: list(found) for key, found in first.items()}
     assert robustness.table(first, ["visual-thermal"], ["contrast"]).endswith("0: 100% · 1: 100% |")
+
+
+def test_what_the_verdict_says_is_counted_apart_for_near_and_far_runs():
+    outcomes = [(0.5, "good"), (4.9, "doubtful"), (0.7, "good"), (5.0, "failed"), (float("inf"), "failed")]
+    results = {f"visual-thermal / shift / {i} / scene": outcome for i, outcome in enumerate(outcomes)}
+
+    told = robustness.said(results, "visual-thermal")
+
+    assert told.endswith("says of 3 runs within 5 px 2 good, 1 doubtful; of 2 others 2 failed.")
 
 
 def test_measured_parts_are_put_between_their_marks(tmp_path):
