@@ -134,13 +134,14 @@ def _name_levels(axes: "Axes", result: Result, courses: Sequence[Course]) -> Non
     for number, (report, course) in enumerate(shown):
         level = result.preset.stages[report.stage].levels[report.level]
         words = f"stage {report.stage + 1}, " if several else ""
-        carried = ", carried features" if level.carried else ""
+        carried = ", carried" if level.carried else ""
+        at_end = course.last == courses[-1].last  # words about its middle would leave the picture
         axes.text(
-            (course.first + course.last) / 2,
+            course.last if at_end else (course.first + course.last) / 2,
             0.97 - 0.1 * (number % 2),
             f"{words}level {report.level + 1}: {level.resolution}{carried}",
             transform=axes.get_xaxis_transform(),
-            horizontalalignment="center",
+            horizontalalignment="right" if at_end else "center",
             verticalalignment="top",
             fontsize=SMALL,
             color=INK,

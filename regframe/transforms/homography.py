@@ -66,20 +66,11 @@ class Homography:
 
     def place(self, points: Points) -> Points:
         """Where (n, 2) points go; `kernels.planar.FAR` where there is no image."""
-        given = np.ascontiguousarray(points, np.float64)
-        out = np.empty_like(given)
-        share(kernels.place, len(given), self._numbers(), given, out)
-        return out
+        return places(kernels.place, self._numbers(), points)
 
     def pull(self, points: Points, forces: Points) -> Params:
         """Sum of ``forces . d place / d params``, (8,): matrix, translation, slant."""
-        partial = np.zeros((BLOCKS, 8))
-        given = (np.ascontiguousarray(one, np.float64) for one in (points, forces))
-        share(kernels.pull, BLOCKS, self._numbers(), *given, partial)
-        total: Params = partial[0]
-        for block in partial[1:]:
-            total = total + block
-        return total
+        return pulls(kernels.pull, self._numbers(), points, forces, 8)
 
     def _numbers(self) -> Params:
         return np.concatenate([self.matrix.ravel(), self.translation, self.slant, self.centre])
@@ -91,6 +82,27 @@ class Homography:
         about[:2, :2] = self.matrix + np.outer(self.translation, self.slant)
         about[:2, 2], about[2, :2] = self.translation, self.slant
         return np.asarray(there @ about @ back, np.float64)
+
+
+def places(kernel: Callable[..., object], numbers: Params, points: Points) -> Points:
+    """Where a kernel's `place` with its numbers puts (n, 2) points."""
+    given = np.ascontiguousarray(points, np.float64)
+    out = np.empty_like(given)
+    share(kernel, len(given), numbers, given, out)
+    return out
+
+
+def pulls(
+    kernel: Callable[..., object], numbers: Params, points: Points, forces: Points, count: int
+) -> Params:
+    """A kernel's `pull` of (n, 2) forces at points, `count` sums, its blocks added in order."""
+    partial = np.zeros((BLOCKS, count))
+    given = (np.ascontiguousarray(one, np.float64) for one in (points, forces))
+    share(kernel, BLOCKS, numbers, *given, partial)
+    total: Params = partial[0]
+    for block in partial[1:]:
+        total = total + block
+    return total
 
 
 def inverted(whole: Matrix) -> Matrix:

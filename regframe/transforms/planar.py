@@ -3,8 +3,7 @@
 import numpy as np
 
 from regframe.kernels import planar as kernels
-from regframe.kernels.sharing import BLOCKS, share
-from regframe.transforms.homography import Homography
+from regframe.transforms.homography import Homography, places, pulls
 from regframe.transforms.lens import Lens
 from regframe.types import Params, Points, Values
 
@@ -13,21 +12,12 @@ Parts = tuple[Lens, Homography, Lens]
 
 def place(parts: Parts, points: Points) -> Points:
     """Moving points of (n, 2) fixed points; `kernels.planar.FAR` where there is no image."""
-    given = np.ascontiguousarray(points, np.float64)
-    out = np.empty_like(given)
-    share(kernels.place, len(given), _numbers(parts), given, out)
-    return out
+    return places(kernels.place, _numbers(parts), points)
 
 
 def pull(parts: Parts, points: Points, forces: Points) -> Params:
     """Sum of ``forces . d map / d params``, (12,): matrix, translation, slant, fixed and moving k1 and k2."""
-    partial = np.zeros((BLOCKS, 12))
-    given = (np.ascontiguousarray(one, np.float64) for one in (points, forces))
-    share(kernels.pull, BLOCKS, _numbers(parts), *given, partial)
-    total: Params = partial[0]
-    for block in partial[1:]:
-        total = total + block
-    return total
+    return pulls(kernels.pull, _numbers(parts), points, forces, 12)
 
 
 def _numbers(parts: Parts) -> Values:
